@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "common/geometry/ideal_camera.h"
+#include "common/geometry/keypoint.h"
+#include "common/geometry/rigid3.h"
+#include "common/map/ids.h"
+
+namespace pangaea {
+
+// What a keyframe saw: never changes after its creation.
+struct KeyframeData {
+  std::int64_t stamp_ns = 0;
+  IdealCamera camera;
+  Features features;
+};
+
+// The pose of an ordinary frame, held by its reference keyframe so that later corrections move it.
+struct FramePose {
+  std::int64_t stamp_ns = 0;
+  Rigid3d reference_from_frame;  // camera frame of the frame to camera frame of the reference keyframe
+};
+
+// An edge of the covisibility graph: how many landmarks both keyframes observe.
+struct Covisibility {
+  KeyframeId keyframe;
+  std::uint32_t weight = 0;
+  bool operator==(const Covisibility&) const = default;
+};
+
+struct Keyframe {
+  KeyframeId id;
+  MapId map;
+  // Shared and const: a snapshot handed to a reader stays valid after the owner culls the keyframe.
+  std::shared_ptr<const KeyframeData> data;
+  Rigid3d camera_from_map;
+  KeyframeId parent;                 // in the spanning tree; none for the root of a map
+  std::vector<KeyframeId> children;  // in the spanning tree, ascending
+  // The landmark each keypoint observes; none where it observes none. As long as data->features.keypoints.
+  std::vector<LandmarkId> landmarks;
+  std::vector<Covisibility> covisible;  // ascending by keyframe id; kept by Apply, never sent
+  // Frames tracked against this keyframe, ascending by stamp. Shared and const: most edits leave it alone.
+  std::shared_ptr<const std::vector<FramePose>> frames;
+};
+
+}  // namespace pangaea
