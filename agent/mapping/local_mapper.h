@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "agent/mapping/keyframe_candidate.h"
+#include "agent/mapping/landmark_culling.h"
+#include "agent/mapping/local_mapping_options.h"
+#include "common/base/stage_recorder.h"
+#include "common/map/atlas.h"
+#include "common/map/edits/edits.h"
+#include "common/map/ids.h"
+
+namespace pangaea {
+
+// Local mapping as in Mur-Artal and Tardos (2015, section VI; 2017, section III-D): what one new keyframe causes in the
+// agent's map. Owns the agent's Atlas; belongs to one thread. Every step is a function from the atlas to edits in a
+// file of its own; this class orders the steps and applies the edits.
+class LocalMapper {
+ public:
+  // `options` have passed Check().
+  LocalMapper(SessionId session, LocalMappingOptions options);
+
+  // Everything that one keyframe causes. Stages: "local_mapping" around "mapping.insert", "mapping.cull_landmarks",
+  // "mapping.search", "mapping.create", "mapping.fuse", "mapping.bundle_adjustment", "mapping.cull_keyframes". When
+  // `stop` is requested (a newer keyframe waits), fusion, bundle adjustment and keyframe culling may be left out or cut
+  // short; the map is consistent all the same. A candidate whose map is closed, whose reference or id is unusable, is
+  // ignored and false returned.
+  bool Insert(const KeyframeCandidate& candidate, StageRecorder& stages, std::stop_token stop = {});
+  // Poses of ordinary frames, ascending by stamp. A frame whose reference was culled hangs below the living ancestor.
+  void AddFrames(std::span<const TrackedFrame> frames);
+  // No further keyframes; what is on trial stays.
+  void CloseMap(MapId map);
+
+  const Atlas& atlas() const { return atlas_; }
+  // All edits applied since the last call, in order.
+  std::vector<MapEdit> TakeEdits();
+
+ private:
+  void Commit(std::vector<MapEdit> edits);
+
+  SessionId session_;
+  LocalMappingOptions options_;
+  Atlas atlas_;
+  std::vector<MapEdit> pending_edits_;
+  LandmarkTrials trials_;
+  std::uint32_t landmarks_created_ = 0;
+};
+
+}  // namespace pangaea
