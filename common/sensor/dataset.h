@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/geometry/stamped_pose.h"
+#include "common/sensor/camera_rig.h"
+#include "common/sensor/sensor_kind.h"
+
+namespace pangaea {
+
+// The images of one instant. The files need not exist: reading them says so.
+struct DatasetFrame {
+  std::int64_t stamp_ns = 0;
+  std::filesystem::path left;
+  std::filesystem::path right;  // empty for a monocular sensor
+};
+
+// A recorded sequence: everything but the pixels.
+struct Dataset {
+  std::string name;    // of its folder
+  std::string layout;  // "EuRoC" or "KITTI"
+  CameraRig rig;
+  std::vector<DatasetFrame> frames;       // ascending by stamp, stamps differ
+  std::vector<StampedPose> ground_truth;  // of the body; ascending by stamp; empty where the dataset has none
+  // What was skipped and how often, one sentence each.
+  std::vector<std::string> warnings;
+};
+
+// Recognises the layout of a folder and reads its calibration, frame list and ground truth. Frames that are out of
+// order, or have no partner in the other camera, are left out with one warning and a count each; a calibration that is
+// missing or impossible is an error with file, line, key and allowed range.
+Result<Dataset> OpenDataset(const std::filesystem::path& folder, SensorKind kind);
+
+}  // namespace pangaea
