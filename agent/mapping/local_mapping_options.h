@@ -1,54 +1,78 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "common/base/result.h"
 
 namespace pangaea {
 
+// Which keyframes count as near to a new one.
+struct NeighbourhoodOptions {
+  std::size_t first = 15;          // best covisible keyframes (count)
+  std::size_t second_of_each = 5;  // and of each of those its best ones (count)
+  // Keyframes that look at the same place without sharing a landmark yet (count): that is how an old place is found
+  // again as long as the drift is less than the search window.
+  std::size_t overlapping = 6;
+  double max_axis_angle = 50.0;      // degrees between the optical axes of such a keyframe and the new one
+  double min_overlap = 0.3;          // part of its landmarks that project into the new one
+  std::size_t overlap_samples = 40;  // landmarks tried for that (count)
+};
+
 // How a landmark of the map is looked for among a keyframe's keypoints.
 struct LandmarkSearchOptions {
-  // Half the search window at octave 0, pixels; it grows with the octave's scale. Wide enough for the drift since the
-  // place was last seen, narrow enough that the descriptor need not decide alone.
+  NeighbourhoodOptions neighbourhood;
+  // Half the search window in pixels of the octave.
   double radius = 4.0;
-  // Of 256 bits. Unrelated patches differ in 128 +- 8 bits (less on repetitive texture), views of one patch in < 50.
+  // The same for a landmark that was last seen more than `old_after` keyframes ago: the drift since then counts.
+  double old_radius = 8.0;
+  std::uint32_t old_after = 20;
+  // Two landmarks at one keypoint are one when each lies so close, in pixels of the octave, to where the other was
+  // seen.
+  double fusion_gate = 2.5;
+  // Of 256 bits. Unrelated patches differ in 128 +- 20 bits, views of one patch mostly in < 60.
   int max_distance = 60;
-  // The best match must beat the second best of the same octave by this factor of distances.
+  // The best match must differ in fewer bits than this part of the second best's.
   double max_ratio = 0.85;
   // Degrees between the ray of the nearest earlier view and the new ray: beyond it a patch looks too different.
   double max_view_angle = 60.0;
   // The keypoint's octave may differ by so much from the one that the distance predicts.
   int octave_tolerance = 1;
-  // Neighbours of the keyframe, and neighbours of those, whose landmarks are looked for (counts).
-  std::size_t first_neighbours = 15;
-  std::size_t second_neighbours = 5;
+  // Covisible keyframes in which the new keyframe's landmarks are looked for (count).
+  std::size_t fused_keyframes = 20;
 };
 
 struct LandmarkCreationOptions {
   // Stereo depth below this many baselines is good enough for a landmark by itself: at 40 baselines and 0.5 px of
-  // disparity noise a 450 px camera errs by 4 % of the depth.
+  // disparity noise a camera with a focal length of 450 px errs by 4 % of the depth.
   double close_depth_baselines = 40.0;
   // A new map takes stereo depth up to this many baselines: without distant landmarks rotation is poorly observed.
   double first_depth_baselines = 120.0;
+  // Where fewer close landmarks than this are in view, the next nearest stereo points are taken too (count).
+  std::size_t min_close_landmarks = 100;
   // Keyframes that new landmarks are triangulated with (count).
   std::size_t neighbours = 8;
   // Degrees between the two rays: below it depth is noise.
   double min_parallax = 0.8;
-  // Shortest distance between the two cameras as a part of the median depth of the scene.
-  double min_relative_baseline = 0.01;
-  int max_distance = 50;      // Hamming, of 256 bits
+  int max_distance = 50;      // Hamming, of 256 bits: the epipolar line predicts less than a projection does
   double max_ratio = 0.8;     // best to second best distance along the epipolar line
-  double max_epipolar = 2.0;  // standard deviations of the keypoint's distance from the epipolar line
+  double max_epipolar = 2.0;  // distance from the epipolar line, in standard deviations of a keypoint
+  // The octaves at which the two views found the corner must fit its two distances to this factor.
+  double max_scale_error = 1.8;
 };
 
 struct LandmarkCullingOptions {
-  // Keyframes after its creation at which a landmark stands the test; then it is trusted.
-  std::size_t trial_keyframes = 3;
-  // Observers that a landmark needs from the second keyframe after its creation on: the creating keyframe and one
-  // more with stereo depth; a monocular landmark is born with two and needs a third.
+  // A landmark is judged by the later keyframes that should have seen it (chances, by projection). The first verdict
+  // comes after so many chances, the last after so many; a landmark with few chances is judged at the latest when so
+  // many keyframes have been mapped since its creation.
+  std::uint32_t first_verdict_chances = 2;
+  std::uint32_t trial_chances = 3;
+  std::uint32_t max_keyframes = 10;
+  // Observers that a landmark needs: the creating keyframe and one more with stereo depth; a monocular landmark is
+  // born with two and needs a third.
   std::size_t min_observers_stereo = 2;
   std::size_t min_observers_monocular = 3;
-  // Part of the keyframes that should have seen it (by projection) which did; below it, it goes.
+  // Part of the chances that were taken; below it, the landmark goes.
   double min_found_ratio = 0.25;
 };
 
@@ -71,10 +95,9 @@ struct KeyframeCullingOptions {
   std::size_t newest_kept = 3;
 };
 
-// Standard deviations of observations, pixels; see measurement_noise.h.
+// See measurement_noise.h.
 struct MeasurementNoiseOptions {
-  double pixel_sigma = 0.7;  // of u and v at octave 0
-  double right_sigma = 0.7;  // of u_right at octave 0
+  double pixel_sigma = 1.0;  // standard deviation of u, v and u_right at octave 0, pixels
 };
 
 struct LocalMappingOptions {

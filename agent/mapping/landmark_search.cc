@@ -1,0 +1,120 @@
+#include "agent/mapping/landmark_search.h"
+
+#include <algorithm>
+#include <set>
+
+#include "agent/mapping/measurement_noise.h"
+#include "agent/mapping/view_prediction.h"
+#include "common/estimation/reprojection.h"
+#include "common/features/feature_grid.h"
+#include "common/features/matching.h"
+
+namespace pangaea {
+namespace {
+
+// Whether the landmark was last seen so long before the keyframe that it may be off by the drift since.
+bool IsOld(const Landmark& landmark, const Keyframe& keyframe, const LandmarkSearchOptions& options) {
+  const KeyframeId newest = landmark.observations.back().keyframe;
+  return newest.session != keyframe.id.session || newest.counter + options.old_after < keyframe.id.counter;
+}
+
+struct Query {
+  LandmarkId landmark;
+  bool old = false;
+};
+
+ProjectionQuery MakeProjectionQuery(const Atlas& atlas, const PredictedView& view, double radius, int tolerance) {
+  const Features& features = atlas.FindKeyframe(view.nearest.keyframe)->data->features;
+  const double scaled = radius * OctaveSigma(std::clamp(view.octave, 0, kOctaves - 1));
+  return {.u = static_cast<float>(view.measurement.x()),
+          .v = static_cast<float>(view.measurement.y()),
+          .u_right = static_cast<float>(view.measurement.z()),
+          .radius = static_cast<float>(scaled),
+          .min_octave = std::max(0, view.octave - tolerance),
+          .max_octave = std::min(kOctaves - 1, view.octave + tolerance),
+          .descriptor = features.descriptors[view.nearest.keypoint]};
+}
+
+const Keypoint& KeypointOf(const Atlas& atlas, const Observation& observation) {
+  return atlas.FindKeyframe(observation.keyframe)->data->features.keypoints[observation.keypoint];
+}
+
+// Whether the point lies within `gate` octave pixels of where each observer of `landmark` saw it.
+bool ExplainsObservations(const Atlas& atlas, const Eigen::Vector3d& point_in_map, const Landmark& landmark,
+                          double gate) {
+  return std::all_of(landmark.observations.begin(), landmark.observations.end(), [&](const Observation& observation) {
+    const Keyframe& observer = *atlas.FindKeyframe(observation.keyframe);
+    const Keypoint& keypoint = observer.data->features.keypoints[observation.keypoint];
+    const Eigen::Vector3d point = observer.camera_from_map * point_in_map;
+    if (point.z() < kMinDepth) return false;
+    const Eigen::Vector3d error = ReprojectionError(observer.data->camera, point, MeasurementOf(keypoint));
+    return error.lpNorm<Eigen::Infinity>() <= gate * OctaveSigma(keypoint.octave);
+  });
+}
+
+// Whether some keyframe sees the two at pixels further apart than one corner can be.
+bool SeenApart(const Atlas& atlas, const Landmark& a, const Landmark& b) {
+  constexpr double kSameCorner = 2.0;  // octave pixels: detections of one corner on neighbouring octaves differ by less
+  auto second = b.observations.begin();
+  for (const Observation& first : a.observations) {
+    while (second != b.observations.end() && second->keyframe < first.keyframe) ++second;
+    if (second == b.observations.end()) return false;
+    if (second->keyframe != first.keyframe) continue;
+    const Keypoint& p = KeypointOf(atlas, first);
+    const Keypoint& q = KeypointOf(atlas, *second);
+    const double limit = kSameCorner * OctaveSigma(std::max(p.octave, q.octave));
+    if (std::abs(p.u - q.u) > limit || std::abs(p.v - q.v) > limit) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::optional<MapEdit> FuseIfTheyAgree(const Atlas& atlas, const Landmark& a, const Landmark& b, double gate) {
+  const bool keep_a =
+      a.observations.size() != b.observations.size() ? a.observations.size() > b.observations.size() : a.id < b.id;
+  const Landmark& kept = keep_a ? a : b;
+  const Landmark& absorbed = keep_a ? b : a;
+  if (SeenApart(atlas, kept, absorbed)) return std::nullopt;
+  if (!ExplainsObservations(atlas, kept.point_in_map, absorbed, gate)) return std::nullopt;
+  if (!ExplainsObservations(atlas, absorbed.point_in_map, kept, gate)) return std::nullopt;
+  return FuseLandmarks{.kept = kept.id, .absorbed = absorbed.id};
+}
+
+std::vector<MapEdit> SearchLandmarks(const Atlas& atlas, const Keyframe& keyframe,
+                                     const std::vector<LandmarkId>& wanted, const LandmarkSearchOptions& options) {
+  const Viewpoint viewpoint(keyframe);
+  const Features& features = keyframe.data->features;
+  const std::set<LandmarkId> observed(keyframe.landmarks.begin(), keyframe.landmarks.end());
+  std::vector<Query> queries;
+  std::vector<ProjectionQuery> projections;
+  for (const LandmarkId id : wanted) {
+    if (observed.contains(id)) continue;
+    const Landmark& landmark = *atlas.FindLandmark(id);
+    const auto view = PredictView(atlas, landmark, viewpoint, options.max_view_angle);
+    if (!view) continue;
+    const bool old = IsOld(landmark, keyframe, options);
+    queries.push_back({.landmark = id, .old = old});
+    projections.push_back(
+        MakeProjectionQuery(atlas, *view, old ? options.old_radius : options.radius, options.octave_tolerance));
+  }
+
+  const FeatureGrid grid(features.keypoints);
+  const MatchOptions match_options{.max_distance = options.max_distance, .max_ratio = options.max_ratio};
+  std::vector<MapEdit> edits;
+  for (const Match& match : MatchByProjection(projections, grid, features.descriptors, match_options)) {
+    const Query& query = queries[match.query];
+    const LandmarkId present = keyframe.landmarks[match.train];
+    if (!present.valid()) {
+      edits.push_back(AddObservation{.landmark = query.landmark, .keyframe = keyframe.id, .keypoint = match.train});
+      continue;
+    }
+    const Landmark& other = *atlas.FindLandmark(present);
+    const double gate = query.old || IsOld(other, keyframe, options) ? options.old_radius : options.fusion_gate;
+    auto fusion = FuseIfTheyAgree(atlas, *atlas.FindLandmark(query.landmark), other, gate);
+    if (fusion) edits.push_back(std::move(*fusion));
+  }
+  return edits;
+}
+
+}  // namespace pangaea
