@@ -1,0 +1,73 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "agent/uplink/retained_edits.h"
+#include "agent/uplink/uplink_planner.h"
+#include "common/base/result.h"
+#include "common/dds/participant.h"
+#include "common/map/atlas.h"
+#include "common/wire/session_announcement.h"
+
+namespace pangaea {
+
+struct UplinkOptions {
+  UplinkPlannerOptions planner;
+  RetainedEditsOptions retained;
+  std::size_t envelope_bytes = 200'000;  // edits are split at about this size, at which DDS is fastest
+  std::size_t queue_batches = 64;        // mapping waits when the uplink is this far behind
+  // Where envelopes go when memory is full, and what is left unsent at the end.
+  std::filesystem::path spill_path = "pangaea-uplink.spill";
+
+  Status Check() const;
+};
+
+// What mapping did since its last batch.
+struct UplinkBatch {
+  std::shared_ptr<const Atlas> snapshot;  // after `applied_since`
+  std::vector<MapEdit> applied_since;
+};
+
+struct UplinkCounters {
+  std::uint64_t bytes_sent = 0;  // octets of edits, resent ones included
+  std::uint64_t envelopes_sent = 0;
+  std::uint64_t last_sequence = 0;
+  std::uint64_t acknowledged = 0;
+  std::uint64_t resends = 0;  // how often it went back to the last ack
+  std::uint64_t rejections = 0;
+  bool server_present = false;
+  std::string last_error;  // empty: none
+};
+
+// The agent's line to the server: one thread that plans, numbers, retains and sends edits, and the only one that may
+// block in a DDS write. Maps on without a server. Submit, Flush, counters and Stop may be called from any thread.
+class UplinkThread {
+ public:
+  // Opens the topics and announces the session. `participant` outlives the uplink.
+  static Result<std::unique_ptr<UplinkThread>> Start(const Participant& participant, SessionAnnouncement session,
+                                                     UplinkOptions options);
+  virtual ~UplinkThread() = default;
+
+  // Waits only while `queue_batches` are waiting already. False after Stop.
+  virtual bool Submit(UplinkBatch batch) = 0;
+
+  // Sends everything in `batch` exactly and waits until the server acknowledged it. Returns the edits the agent applies
+  // to its own atlas so that it equals the server's bit by bit on the digest's grid; usually none. kUnavailable when
+  // the time is over first: what is not acknowledged is then in the spill file, which the message names.
+  virtual Result<std::vector<MapEdit>> Flush(UplinkBatch batch, std::chrono::milliseconds patience) = 0;
+
+  // Announces the orderly end and stops the thread. What was not acknowledged is left in the spill file. The destructor
+  // does it too.
+  virtual void Stop() = 0;
+
+  virtual UplinkCounters counters() const = 0;
+
+ protected:
+  UplinkThread() = default;
+};
+
+}  // namespace pangaea
