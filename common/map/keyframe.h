@@ -22,7 +22,14 @@ struct KeyframeData {
 struct FramePose {
   std::int64_t stamp_ns = 0;
   Rigid3d reference_from_frame;  // camera frame of the frame to camera frame of the reference keyframe
+  // Whose frame it is, written by Apply from the reference it was added with: after culling, the keyframe that holds it
+  // may be another session's. Not part of an edit.
+  SessionId session = 0;
 };
+
+// The pose nearby that takes 24 bytes on the wire (others take 56): quantise frame poses where they are made, so that
+// agent and server hold the same. Errors are below 1 µm and 1 µrad for motions of metres and below half a turn.
+Rigid3d QuantizeFramePose(const Rigid3d& reference_from_frame);
 
 // An edge of the covisibility graph: how many landmarks both keyframes observe.
 struct Covisibility {
@@ -42,7 +49,8 @@ struct Keyframe {
   // The landmark each keypoint observes; none where it observes none. As long as data->features.keypoints.
   std::vector<LandmarkId> landmarks;
   std::vector<Covisibility> covisible;  // ascending by keyframe id; kept by Apply, never sent
-  // Frames tracked against this keyframe, ascending by stamp. Shared and const: most edits leave it alone.
+  // Frames tracked against this keyframe, ascending by stamp. Shared and const: most edits leave it alone. nullptr
+  // where there are none.
   std::shared_ptr<const std::vector<FramePose>> frames;
 };
 

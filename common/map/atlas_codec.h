@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/base/bytes.h"
+#include "common/base/result.h"
+#include "common/map/atlas.h"
+
+namespace pangaea {
+
+// What a keyframe saw, without its place in the map: at most 40 bytes a keypoint. Written once to a store, and part of
+// the AddKeyframe edit.
+void EncodeKeyframeData(const KeyframeData& data, ByteWriter& writer);
+Result<std::shared_ptr<const KeyframeData>> DecodeKeyframeData(ByteReader& reader);
+
+// The whole atlas, forwarding and version included, without the keyframes' data.
+std::vector<std::byte> EncodeAtlas(const Atlas& atlas);
+// Gives the data of a keyframe, from where it was stored.
+using KeyframeDataSource = std::function<Result<std::shared_ptr<const KeyframeData>>(KeyframeId)>;
+// Bit for bit what was encoded. kCorrupt for bytes that are no consistent atlas; the source's error where it fails.
+Result<Atlas> DecodeAtlas(std::span<const std::byte> bytes, const KeyframeDataSource& data);
+
+}  // namespace pangaea

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "common/map/atlas.h"
+
+namespace pangaea {
+
+// A number that two atlases have in common when they hold the same: ids of keyframes, landmarks and their maps,
+// observations, keyframe poses and landmark positions, quantised to 0.1 mm and 10 µrad. It does not depend on how the
+// atlas came to be, nor on frames, the spanning tree or forwarding. For one map or for all.
+std::uint64_t Digest(const Atlas& atlas, std::optional<MapId> map = std::nullopt);
+// Of the keyframes and landmarks that carry the session's ids.
+std::uint64_t DigestOfSession(const Atlas& atlas, SessionId session);
+
+}  // namespace pangaea

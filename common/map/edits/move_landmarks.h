@@ -1,0 +1,32 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "common/map/edits/edit_kind.h"
+
+namespace pangaea {
+
+struct MovedLandmark {
+  LandmarkId id;
+  Eigen::Vector3d point_in_reference;  // camera frame of the landmark's reference keyframe
+};
+
+// Fused landmarks and those that are gone are skipped: the absorber has a position of its own.
+struct MoveLandmarks {
+  static constexpr std::uint8_t kTag = 7;
+  static constexpr std::uint8_t kVersion = 1;
+  static constexpr std::string_view kName = "move_landmarks";
+
+  std::vector<MovedLandmark> landmarks;
+};
+
+Status Validate(const MoveLandmarks& edit, const Atlas& atlas);
+void ApplyValid(const MoveLandmarks& edit, AtlasEditor& editor);
+bool TouchesOnly(const MoveLandmarks& edit, SessionId session);
+void Encode(const MoveLandmarks& edit, MapWriter& writer);
+void Decode(MapReader& reader, std::uint8_t version, MoveLandmarks& edit);
+
+}  // namespace pangaea
