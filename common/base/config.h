@@ -51,7 +51,7 @@ class ConfigReader {
     ReadArithmetic(key, value, range, Presence::kOptional);
   }
   void Read(std::string_view key, bool* value);
-  void Read(std::string_view key, std::string* value);
+  void Read(std::string_view key, std::string* value) { ReadText(key, value, Presence::kOptional); }
   // One of the named choices; `value` gets its position.
   void ReadChoice(std::string_view key, std::size_t* value, std::initializer_list<std::string_view> choices);
 
@@ -61,14 +61,12 @@ class ConfigReader {
                                                                            Range<R> range) {
     ReadArithmetic(key, value, range, Presence::kRequired);
   }
-  void Require(std::string_view key, std::string* value);
+  void Require(std::string_view key, std::string* value) { ReadText(key, value, Presence::kRequired); }
   // A list of as many numbers as one of `counts` says, each in the range.
   void RequireList(std::string_view key, std::vector<double>* values, std::initializer_list<std::size_t> counts,
                    Range<double> range);
 
   bool Has(std::string_view key) const;
-  // The line of a key, from 1; 0 where it is missing.
-  int LineOf(std::string_view key) const;
   // "file:line: key" for messages of checks that concern several keys.
   std::string PlaceOf(std::string_view key) const;
 
@@ -104,6 +102,7 @@ class ConfigReader {
     const auto clamp = [](std::int64_t x) { return x < kLowest ? kLowest : x > kHighest ? kHighest : x; };
     return {clamp(static_cast<std::int64_t>(range.min)), clamp(static_cast<std::int64_t>(range.max))};
   }
+  void ReadText(std::string_view key, std::string* value, Presence presence);
   bool ReadInteger(std::string_view key, std::int64_t* value, Range<std::int64_t> range, Presence presence);
   bool ReadNumber(std::string_view key, double* value, Range<double> range, Presence presence);
 
