@@ -1,0 +1,178 @@
+#include "agent/tracking/patch_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "common/geometry/keypoint.h"
+
+namespace pangaea {
+namespace {
+
+// A landmark expected in the image.
+struct Expected {
+  int landmark;
+  Eigen::Vector2d pixel;
+  double priority;
+};
+
+// What was tracked a moment ago will be seen again; among the others, well-established landmarks are the surest.
+double Priority(const LocalLandmark& landmark) {
+  constexpr double kTracked = 100.0;
+  constexpr double kFailure = 8.0;
+  constexpr int kSaturated = 30;  // observations beyond this say nothing more
+  return (landmark.tracked ? kTracked : 0.0) + std::min(landmark.observations, kSaturated) -
+         kFailure * std::min(landmark.failures, kSaturated);
+}
+
+std::vector<Expected> PredictVisible(const IdealCamera& camera, const Rigid3d& camera_from_map,
+                                     const LocalMap& local_map, const PatchSearchOptions& options) {
+  std::vector<Expected> visible;
+  const Eigen::Matrix3d rotation = camera_from_map.rotation().toRotationMatrix();
+  for (int i = 0; i < static_cast<int>(local_map.landmarks.size()); ++i) {
+    const LocalLandmark& landmark = local_map.landmarks[i];
+    if (landmark.view_count == 0) continue;
+    const Eigen::Vector3d point = rotation * landmark.point_in_map + camera_from_map.translation();
+    if (point.z() <= 0.0) continue;
+    const Eigen::Vector2d pixel = camera.Project(point);
+    if (camera.Contains(pixel, options.border)) visible.push_back({i, pixel, Priority(landmark)});
+  }
+  std::stable_sort(visible.begin(), visible.end(),
+                   [](const Expected& a, const Expected& b) { return a.priority > b.priority; });
+  return visible;
+}
+
+// Orders the visible landmarks so that any prefix of them is spread evenly: the best of every cell, then the second
+// best of every cell, and so on.
+std::vector<Expected> SpreadEvenly(const std::vector<Expected>& visible, const IdealCamera& camera,
+                                   const PatchSearchOptions& options) {
+  const int cells = options.grid_columns * options.grid_rows;
+  std::vector<std::vector<int>> by_cell(cells);
+  for (int i = 0; i < static_cast<int>(visible.size()); ++i) {
+    const int column = static_cast<int>(visible[i].pixel.x() * options.grid_columns / camera.width);
+    const int row = static_cast<int>(visible[i].pixel.y() * options.grid_rows / camera.height);
+    by_cell[row * options.grid_columns + column].push_back(i);
+  }
+  std::vector<Expected> spread;
+  const auto wanted = std::min(visible.size(), static_cast<std::size_t>(options.max_landmarks));
+  for (std::size_t rank = 0; spread.size() < wanted; ++rank) {
+    for (const std::vector<int>& cell : by_cell) {
+      if (rank < cell.size() && spread.size() < wanted) spread.push_back(visible[cell[rank]]);
+    }
+  }
+  return spread;
+}
+
+// The view whose direction is nearest to the present one, if any is near enough.
+const LandmarkView* NearestView(const LocalLandmark& landmark, const std::vector<Rigid3d>& view_poses,
+                                const Eigen::Vector3d& camera_in_map, double min_cosine) {
+  const LandmarkView* nearest = nullptr;
+  double best = min_cosine;
+  const Eigen::Vector3d direction = (landmark.point_in_map - camera_in_map).normalized();
+  for (int i = 0; i < landmark.view_count; ++i) {
+    const Rigid3d& view = view_poses[landmark.views[i].pose];
+    const Eigen::Vector3d in_view = view * landmark.point_in_map;
+    const double cosine = direction.dot((view.rotation().conjugate() * in_view).normalized());
+    if (cosine <= best) continue;
+    best = cosine;
+    nearest = &landmark.views[i];
+  }
+  return nearest;
+}
+
+class Searcher {
+ public:
+  Searcher(const ImagePyramid& image, const IdealCamera& camera, LocalMap& local_map, const PatchSearchOptions& options)
+      : image_(image), camera_(camera), local_map_(local_map), options_(options) {}
+
+  void SetPose(const Rigid3d& camera_from_map) {
+    camera_from_map_ = camera_from_map;
+    camera_in_map_ = camera_from_map.Inverse().translation();
+  }
+
+  // Looks for one landmark where the pose expects it; remembers it when found.
+  void Search(const Expected& expected, bool coarse) {
+    LocalLandmark& landmark = local_map_.landmarks[expected.landmark];
+    const std::optional<LandmarkMatch> match = Find(expected.landmark, landmark, coarse);
+    landmark.failures = match ? 0 : landmark.failures + 1;
+    if (!match) return;
+    matches_.push_back(*match);
+    PoseObservation& observation = observations_.emplace_back();
+    observation.point_in_map = landmark.point_in_map;
+    observation.measurement = Eigen::Vector3d(match->pixel.x(), match->pixel.y(), -1.0);
+    observation.inverse_sigma = 1.0 / match->sigma;
+  }
+
+  std::optional<RefinedPose> Refine(const Rigid3d& initial) {
+    inliers_.resize(observations_.size());
+    return RefinePose(camera_, initial, observations_, options_.refinement, inliers_);
+  }
+
+  std::size_t found() const { return matches_.size(); }
+  std::vector<LandmarkMatch> TakeInliers() const {
+    std::vector<LandmarkMatch> result;
+    for (std::size_t i = 0; i < matches_.size(); ++i) {
+      if (inliers_[i] != 0) result.push_back(matches_[i]);
+    }
+    return result;
+  }
+
+ private:
+  std::optional<LandmarkMatch> Find(int index, const LocalLandmark& landmark, bool coarse) const {
+    const LandmarkView* view = NearestView(landmark, local_map_.view_poses, camera_in_map_, options_.min_view_cosine);
+    if (view == nullptr) return std::nullopt;
+    const Eigen::Vector3d point = camera_from_map_ * landmark.point_in_map;
+    if (point.z() <= 0.0) return std::nullopt;
+    const Rigid3d& template_from_map = local_map_.view_poses[view->pose];
+    const auto affine = CurrentFromTemplate(camera_, camera_from_map_ * template_from_map.Inverse(),
+                                            template_from_map * landmark.point_in_map);
+    if (!affine) return std::nullopt;
+    const auto aligned = AlignPatch(image_, *view->patch, *affine, camera_.Project(point), coarse, options_.alignment);
+    if (!aligned) return std::nullopt;
+    LandmarkMatch match;
+    match.landmark = index;
+    match.pixel = aligned->pixel;
+    const double octaves = 0.5 * std::log(affine->determinant()) / std::log(kOctaveScale);
+    match.octave = std::clamp(view->patch->octave + static_cast<int>(std::lround(octaves)), 0, kOctaves - 1);
+    match.sigma = std::ldexp(options_.patch_sigma, aligned->level);
+    match.correlation = aligned->correlation;
+    return match;
+  }
+
+  const ImagePyramid& image_;
+  const IdealCamera& camera_;
+  LocalMap& local_map_;
+  const PatchSearchOptions& options_;
+  Rigid3d camera_from_map_;
+  Eigen::Vector3d camera_in_map_ = Eigen::Vector3d::Zero();
+  std::vector<LandmarkMatch> matches_;
+  std::vector<PoseObservation> observations_;
+  std::vector<std::uint8_t> inliers_;
+};
+
+}  // namespace
+
+std::optional<LocatedFrame> LocateFrame(const ImagePyramid& image, const IdealCamera& camera,
+                                        const Rigid3d& predicted_camera_from_map, LocalMap& local_map,
+                                        const PatchSearchOptions& options) {
+  Searcher searcher(image, camera, local_map, options);
+  searcher.SetPose(predicted_camera_from_map);
+  const std::vector<Expected> expected =
+      SpreadEvenly(PredictVisible(camera, predicted_camera_from_map, local_map, options), camera, options);
+  const std::size_t scouts = std::min(expected.size(), static_cast<std::size_t>(options.scouts));
+  for (std::size_t i = 0; i < scouts; ++i) searcher.Search(expected[i], true);
+  Rigid3d pose = predicted_camera_from_map;
+  if (searcher.found() >= static_cast<std::size_t>(options.min_scouts)) {
+    if (const auto corrected = searcher.Refine(pose)) pose = corrected->camera_from_map;
+  }
+  searcher.SetPose(pose);
+  for (std::size_t i = scouts; i < expected.size(); ++i) searcher.Search(expected[i], false);
+  for (LocalLandmark& landmark : local_map.landmarks) landmark.tracked = false;
+  const auto refined = searcher.Refine(pose);
+  if (!refined) return std::nullopt;
+  LocatedFrame located{*refined, searcher.TakeInliers(), static_cast<int>(expected.size())};
+  for (const LandmarkMatch& match : located.matches) local_map.landmarks[match.landmark].tracked = true;
+  return located;
+}
+
+}  // namespace pangaea

@@ -1,0 +1,114 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
+
+#include "agent/mapping/keyframe_candidate.h"
+#include "agent/tracking/keyframe_builder.h"
+#include "agent/tracking/keyframe_decision.h"
+#include "agent/tracking/local_map.h"
+#include "agent/tracking/patch_search.h"
+#include "agent/tracking/relocalization.h"
+#include "agent/tracking/sparse_alignment.h"
+#include "agent/tracking/template_store.h"
+#include "agent/tracking/tracking_options.h"
+#include "common/base/stage_recorder.h"
+#include "common/map/atlas.h"
+
+namespace pangaea {
+
+enum class TrackingState {
+  kStarting,  // no map yet, or the new map's first keyframe is still being mapped
+  kTracking,
+  kLost,  // looking for a known place
+};
+
+struct TrackingResult {
+  TrackingState state = TrackingState::kStarting;
+  // The pose was refined on enough landmarks of a map; the members down to `inliers` hold only then.
+  bool tracked = false;
+  MapId map;
+  KeyframeId reference;
+  FramePose pose;           // relative to `reference`
+  Rigid3d camera_from_map;  // as known now; later corrections move the reference
+  int inliers = 0;
+  // For local mapping, in this order.
+  std::optional<MapId> closed_map;
+  std::optional<KeyframeCandidate> keyframe;
+};
+
+// Follows the camera from frame to frame in the agent's map. Between keyframes landmarks are tracked by aligning
+// patches with their templates, in the left image alone; corners, descriptors and stereo depth are computed at
+// keyframes. The result depends on the images and snapshots given alone. One owner thread.
+class Tracker {
+ public:
+  // `options` have passed Check().
+  Tracker(SessionId session, const IdealCamera& camera, const TrackingOptions& options, std::uint64_t seed);
+
+  // One frame. `left` is rectified and must not change afterwards; `atlas` is the newest snapshot of local mapping.
+  // Stage "tracking" and its parts.
+  TrackingResult Track(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
+                       const std::shared_ptr<const Atlas>& atlas, StageRecorder& stages);
+
+  // True while the latest map's first keyframe is not in the snapshots yet: the next frame should wait for it.
+  bool awaits_first_keyframe(const Atlas& atlas) const;
+
+ private:
+  // The latest tracked frame, from which the next one is predicted.
+  struct Previous {
+    KeyframeId reference;
+    Rigid3d reference_from_frame;
+    Rigid3d current_from_previous;                  // the motion into this frame
+    std::vector<Eigen::Vector3d> points_in_camera;  // of the tracked landmarks
+  };
+  // A keyframe on its way into the map, or whose image is still of use.
+  struct RecentKeyframe {
+    KeyframeId id;
+    ImagePyramid image;
+    KeyframeId reference;
+    Rigid3d camera_from_reference;
+  };
+
+  void AdoptSnapshot(const std::shared_ptr<const Atlas>& atlas);
+  void RebuildLocalMap(KeyframeId reference);
+  std::optional<Rigid3d> PreviousPose() const;
+  void TrackKnownMap(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
+                     StageRecorder& stages);
+  std::optional<LocatedFrame> LocateByMotion(StageRecorder& stages);
+  std::optional<LocatedFrame> LocateByRecognition(const cv::Mat& left, StageRecorder& stages);
+  void FinishTracked(std::int64_t stamp_ns, const LocatedFrame& located, TrackingResult& result);
+  void ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
+                        const LocatedFrame& located, TrackingResult& result, StageRecorder& stages);
+  double NearestView(const Rigid3d& camera_from_map, double median_depth) const;
+  bool StartMap(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
+                StageRecorder& stages);
+  void RememberKeyframe(KeyframeId id, KeyframeId reference, const Rigid3d& camera_from_reference);
+  bool MappingIsBusy() const;
+
+  const SessionId session_;
+  const IdealCamera camera_;
+  const TrackingOptions options_;
+  const std::uint64_t seed_;
+  KeyframeBuilder builder_;
+  KeyframeDecision decision_;
+  TemplateStore templates_;
+
+  std::shared_ptr<const Atlas> atlas_;
+  MapId map_;                  // none before the first map and after a map was closed
+  KeyframeId first_keyframe_;  // of map_
+  KeyframeId reference_;       // of the local map
+  LocalMap local_map_;
+  std::optional<Previous> previous_;
+  ImagePyramid current_image_;
+  ImagePyramid previous_image_;
+  std::deque<RecentKeyframe> recent_keyframes_;
+  int frames_lost_ = 0;
+  std::uint32_t keyframes_made_ = 0;
+  std::uint32_t maps_made_ = 0;
+};
+
+}  // namespace pangaea

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "agent/tracking/keyframe_decision.h"
+#include "agent/tracking/local_map.h"
+#include "agent/tracking/patch_search.h"
+#include "agent/tracking/relocalization.h"
+#include "agent/tracking/sparse_alignment.h"
+#include "common/base/result.h"
+#include "common/features/orb_extractor.h"
+#include "common/features/stereo_matcher.h"
+
+namespace pangaea {
+
+struct TrackingOptions {
+  int min_inliers = 20;               // landmarks that a tracked frame's pose rests on, at least
+  int min_recovery_inliers = 30;      // ... after the camera was lost: a wrong place must not pass
+  int min_start_points = 100;         // keypoints with depth that a new map starts from, at least
+  int frames_until_new_map = 20;      // lost frames before the map is closed and a new one started; 1 s at 20 Hz
+  int frames_predicted = 5;           // lost frames during which the latest motion still predicts the pose
+  int pyramid_levels = 5;             // factor-2 levels for patch tracking
+  std::size_t max_templates = 12000;  // landmarks with templates kept, about 1.2 KB a view
+  std::size_t template_images = 6;    // newest keyframes whose images are kept to cut templates from
+  double new_view_angle = 25.0;       // degrees from all templates of a landmark that call for one more
+  KeyframeDecisionOptions keyframes;
+  LocalMapOptions local_map;
+  PatchSearchOptions search;
+  SparseAlignmentOptions sparse_alignment;
+  RelocalizationOptions relocalization;
+  OrbOptions orb;
+  StereoOptions stereo;
+
+  // Says which option is out of which range.
+  Status Check() const;
+};
+
+}  // namespace pangaea
