@@ -6,11 +6,9 @@
 #include "common/geometry/ideal_camera.h"
 #include "common/geometry/rigid3.h"
 #include "common/map/ids.h"
+#include "common/sensor/sensor_kind.h"
 
 namespace pangaea {
-
-// On the wire an integer: a kind this build does not know arrives as it is.
-enum class SensorKind : std::uint32_t { kMonocular = 0, kStereo = 1 };
 
 // What an agent says about itself, once when it starts and once (closed) when it ends in order. The topic keeps the
 // last one for servers that come later.
