@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "common/base/result.h"
-#include "common/estimation/reprojection.h"
 #include "common/geometry/ideal_camera.h"
+#include "common/geometry/reprojection.h"
 #include "common/geometry/rigid3.h"
 
 namespace pangaea {

@@ -6,8 +6,8 @@
 #include <span>
 
 #include "common/base/result.h"
-#include "common/estimation/reprojection.h"
 #include "common/geometry/ideal_camera.h"
+#include "common/geometry/reprojection.h"
 #include "common/geometry/rigid3.h"
 
 namespace pangaea {
@@ -28,7 +28,7 @@ struct PoseRefinementOptions {
   // The last this many rounds run without the robust kernel: outliers are gone by then and the kernel would only bias.
   int rounds_without_kernel = 2;
   int max_iterations = 10;       // Levenberg-Marquardt steps in a round
-  double step_tolerance = 1e-6;  // a step shorter than this (map units and radians) ends a round
+  double step_tolerance = 1e-3;  // in standard deviations of the pose: a shorter step ends a round
   int min_inliers = 6;           // with fewer there is no pose
 
   Status Check() const;
