@@ -3,13 +3,12 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <numeric>
 #include <optional>
-#include <sstream>
+
+#include "common/base/text.h"
 
 namespace pangaea {
 namespace {
@@ -41,18 +40,7 @@ std::string Text(Range<T> range) {
   return from + " to " + (std::is_integral_v<T> ? std::to_string(range.max) : Text(static_cast<double>(range.max)));
 }
 
-template <typename T>
-std::optional<T> ParseWhole(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
-bool Within(double value, Range<double> range) {
-  return std::isfinite(value) && value >= range.min && value <= range.max;
-}
+bool Within(double value, Range<double> range) { return value >= range.min && value <= range.max; }
 
 std::size_t EditDistance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -156,15 +144,9 @@ ConfigReader& ConfigReader::operator=(ConfigReader&&) noexcept = default;
 ConfigReader::~ConfigReader() = default;
 
 Result<ConfigReader> ConfigReader::Open(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) {
-    return Fail(ErrorCode::kNotFound, path.string() + ": there is no such file");
-  }
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file) return Fail(ErrorCode::kUnavailable, path.string() + ": the file cannot be read");
-  return Parse(text.str(), path.string());
+  const auto text = ReadTextFile(path);
+  if (!text) return tl::make_unexpected(text.error());
+  return Parse(*text, path.string());
 }
 
 Result<ConfigReader> ConfigReader::Parse(const std::string& text, const std::string& name) {
@@ -229,7 +211,7 @@ void ConfigReader::RequireList(std::string_view key, std::vector<double>* values
   std::vector<double> numbers;
   for (const auto& item : entry->value) {
     const std::string text = item.IsScalar() ? item.Scalar() : "?";
-    const auto number = ParseWhole<double>(text);
+    const auto number = ParseNumber(text);
     if (!number || !Within(*number, range)) {
       return document_->AddError(item.Mark().line + 1, entry->path + ": number " + std::to_string(numbers.size() + 1) +
                                                            " is '" + text + "'; allowed: " + allowed);
@@ -243,7 +225,7 @@ bool ConfigReader::ReadInteger(std::string_view key, std::int64_t* value, Range<
                                Presence presence) {
   const Entry* entry = document_->Look(key, presence, Text(range));
   if (entry == nullptr) return false;
-  const auto number = ParseWhole<std::int64_t>(entry->value.IsScalar() ? entry->value.Scalar() : "");
+  const auto number = ParseInteger(entry->value.IsScalar() ? entry->value.Scalar() : "");
   if (!number) return document_->Refuse(*entry, ", which is not a whole number", Text(range)), false;
   if (*number < range.min || *number > range.max) return document_->Refuse(*entry, "", Text(range)), false;
   *value = *number;
@@ -253,11 +235,15 @@ bool ConfigReader::ReadInteger(std::string_view key, std::int64_t* value, Range<
 bool ConfigReader::ReadNumber(std::string_view key, double* value, Range<double> range, Presence presence) {
   const Entry* entry = document_->Look(key, presence, Text(range));
   if (entry == nullptr) return false;
-  const auto number = ParseWhole<double>(entry->value.IsScalar() ? entry->value.Scalar() : "");
+  const auto number = ParseNumber(entry->value.IsScalar() ? entry->value.Scalar() : "");
   if (!number) return document_->Refuse(*entry, ", which is not a number", Text(range)), false;
   if (!Within(*number, range)) return document_->Refuse(*entry, "", Text(range)), false;
   *value = *number;
   return true;
+}
+
+void ConfigReader::Refuse(std::string_view key, const std::string& why, const std::string& allowed) {
+  document_->errors.push_back(PlaceOf(key) + " " + why + "; allowed: " + allowed);
 }
 
 bool ConfigReader::Has(std::string_view key) const { return document_->Find(key) != nullptr; }

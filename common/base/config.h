@@ -66,6 +66,9 @@ class ConfigReader {
   void RequireList(std::string_view key, std::vector<double>* values, std::initializer_list<std::size_t> counts,
                    Range<double> range);
 
+  // Adds an error of the caller's own check, for example of several numbers together.
+  void Refuse(std::string_view key, const std::string& why, const std::string& allowed);
+
   bool Has(std::string_view key) const;
   // "file:line: key" for messages of checks that concern several keys.
   std::string PlaceOf(std::string_view key) const;
