@@ -1,0 +1,51 @@
+#include "agent/runtime/agent_options.h"
+
+#include "common/base/config.h"
+
+namespace pangaea {
+
+Status AgentOptions::Check() const {
+  if (!(rate.speed == 0.0 || (rate.speed >= 0.01 && rate.speed <= 100.0))) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "--rate is " + std::to_string(rate.speed) + ", allowed is realtime, max, or a factor of 0.01 to 100");
+  }
+  if (auto status = tracking.Check(); !status) return status;
+  if (auto status = mapping.Check(); !status) return status;
+  return uplink.Check();
+}
+
+Status ReadAgentConfig(const std::filesystem::path& path, AgentOptions& options) {
+  auto reader = ConfigReader::Open(path);
+  if (!reader) return tl::make_unexpected(reader.error());
+  TrackingOptions& tracking = options.tracking;
+  reader->Read("tracking.min_inliers", &tracking.min_inliers, Range{6, 1000});
+  reader->Read("tracking.min_recovery_inliers", &tracking.min_recovery_inliers, Range{6, 1000});
+  reader->Read("tracking.min_start_points", &tracking.min_start_points, Range{20, 5000});
+  reader->Read("tracking.frames_until_new_map", &tracking.frames_until_new_map, Range{1, 100000});
+  reader->Read("tracking.max_templates", &tracking.max_templates, Range{1000, 1000000});
+  reader->Read("tracking.max_landmarks", &tracking.search.max_landmarks, Range{20, 5000});
+  reader->Read("tracking.patch_sigma", &tracking.search.patch_sigma, Range{0.05, 10.0});
+  reader->Read("tracking.local_keyframes", &tracking.local_map.max_keyframes, Range{1, 1000});
+  reader->Read("keyframes.min_coverage_ratio", &tracking.keyframes.min_coverage_ratio, Range{0.1, 1.0});
+  reader->Read("keyframes.min_inlier_ratio", &tracking.keyframes.min_inlier_ratio, Range{0.1, 1.0});
+  reader->Read("keyframes.max_relative_distance", &tracking.keyframes.max_relative_distance, Range{0.01, 10.0});
+  reader->Read("keyframes.max_turn", &tracking.keyframes.max_turn, Range{1.0, 180.0});
+  reader->Read("keyframes.min_gap", &tracking.keyframes.min_gap, Range{1, 1000});
+  reader->Read("features.count", &tracking.orb.features, Range{100, 10000});
+  reader->Read("features.high_threshold", &tracking.orb.high_threshold, Range{1, 255});
+  reader->Read("features.low_threshold", &tracking.orb.low_threshold, Range{1, 255});
+  LocalMappingOptions& mapping = options.mapping;
+  reader->Read("mapping.window_keyframes", &mapping.bundle_adjustment.window_keyframes, Range{2, 200});
+  reader->Read("mapping.fixed_keyframes", &mapping.bundle_adjustment.fixed_keyframes, Range{1, 500});
+  reader->Read("mapping.max_iterations", &mapping.bundle_adjustment.max_iterations, Range{1, 100});
+  reader->Read("mapping.pixel_sigma", &mapping.noise.pixel_sigma, Range{0.05, 10.0});
+  reader->Read("mapping.right_sigma", &mapping.noise.right_sigma, Range{0.05, 10.0});
+  reader->Read("mapping.search_radius", &mapping.search.radius, Range{0.5, 100.0});
+  reader->Read("mapping.redundant_ratio", &mapping.keyframe_culling.redundant_ratio, Range{0.1, 1.0});
+  reader->Read("uplink.queue_batches", &options.uplink.queue_batches, Range{1, 10000});
+  reader->Read("uplink.envelope_bytes", &options.uplink.envelope_bytes, Range{1000, 1000000});
+  if (auto status = reader->Finish(); !status) return status;
+  return options.Check();
+}
+
+}  // namespace pangaea

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "agent/mapping/local_mapping_options.h"
+#include "agent/runtime/frame_source.h"
+#include "agent/runtime/uplink_thread.h"
+#include "agent/tracking/tracking_options.h"
+#include "common/base/result.h"
+#include "common/dds/participant.h"
+#include "common/sensor/sensor_kind.h"
+
+namespace pangaea {
+
+// What a run of the agent is asked to do: the command line and the configuration file together.
+struct AgentOptions {
+  std::filesystem::path dataset;
+  SensorKind sensor = SensorKind::kStereo;
+  std::string site = "default";
+  std::string name;  // for people; empty: the dataset's
+  PlayRate rate;
+  bool deterministic = false;  // everything on one thread, in order
+  std::uint64_t seed = 1;
+  bool use_server = true;
+  // At the end, how long the server may take to acknowledge the last edits.
+  std::chrono::milliseconds flush_patience{30000};
+  std::filesystem::path trajectory;  // empty: not written; likewise the next two
+  std::filesystem::path live_trajectory;
+  std::filesystem::path report;
+  DomainOptions domain;
+  TrackingOptions tracking;
+  LocalMappingOptions mapping;
+  UplinkOptions uplink;
+
+  Status Check() const;
+};
+
+// Reads config/agent.yaml-like files into the options. Unknown keys and values out of range are errors.
+Status ReadAgentConfig(const std::filesystem::path& path, AgentOptions& options);
+
+}  // namespace pangaea

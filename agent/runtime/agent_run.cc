@@ -1,0 +1,209 @@
+#include "agent/runtime/agent_run.h"
+
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+
+#include <chrono>
+#include <random>
+#include <utility>
+
+#include "agent/runtime/mapping_worker.h"
+#include "common/base/version.h"
+#include "common/sensor/image.h"
+#include "common/sensor/rectifier.h"
+#include "common/wire/envelope.h"
+
+namespace pangaea {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+SessionId RandomSession() {
+  std::random_device device;
+  std::uniform_int_distribution<SessionId> any(1);
+  return any(device);
+}
+
+double SecondsOf(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+}
+
+// The part of a run that frames flow through, one by one.
+class FrameLoop {
+ public:
+  FrameLoop(const Dataset& dataset, const Rectifier& rectifier, const AgentOptions& options, AgentRun& run,
+            MappingWorker& worker)
+      : dataset_(dataset),
+        rectifier_(rectifier),
+        options_(options),
+        run_(run),
+        worker_(worker),
+        camera_from_body_(rectifier.body_from_camera().Inverse()),
+        tracker_(run.session, rectifier.camera(), options.tracking, options.seed) {}
+
+  void Run(FrameSource& source) {
+    std::optional<MappingThread> thread;
+    if (!options_.deterministic) thread.emplace(worker_);
+    while (auto frame = source.Next()) {
+      const auto atlas = worker_.snapshot();
+      TrackingResult result = Track(*frame, atlas);
+      Record(frame->stamp_ns, result);
+      const bool keyframe = result.keyframe.has_value();
+      const bool new_map = keyframe && !result.keyframe->reference.valid();
+      MappingInput input = MappingInputOf(std::move(result));
+      if (!thread) {
+        worker_.Process(std::move(input));
+        continue;
+      }
+      thread->Push(std::move(input));
+      // A new map has nothing to track before its first keyframe is mapped. At full speed mapping sets the pace, as it
+      // does in real time.
+      if (new_map || (keyframe && options_.rate.waits_for_agent())) thread->WaitUntilIdle();
+    }
+  }
+
+  const StageClock& stages() const { return stages_; }
+
+ private:
+  TrackingResult Track(const SourceFrame& frame, const std::shared_ptr<const Atlas>& atlas) {
+    cv::Mat left;
+    {
+      StageScope scope(stages_, "rectification");
+      left = rectifier_.RectifyLeft(frame.left);
+    }
+    return tracker_.Track(
+        frame.stamp_ns, left, [&] { return ReadRight(frame); }, atlas, stages_);
+  }
+
+  // An empty image where there is none to be had: the keyframe is then without depth.
+  cv::Mat ReadRight(const SourceFrame& frame) {
+    if (frame.right.empty()) return {};
+    const ImageSize size{dataset_.rig.left.width, dataset_.rig.left.height};
+    Result<cv::Mat> image = [&] {
+      StageScope scope(stages_, StageClock::kDecode);
+      return ReadGrayImage(frame.right, size);
+    }();
+    if (image) return rectifier_.RectifyRight(*image);
+    if (unreadable_++ == 0) spdlog::warn("keyframe without depth: {}", image.error().message);
+    return {};
+  }
+
+  void Record(std::int64_t stamp_ns, const TrackingResult& result) {
+    ++(result.tracked ? run_.tracked : run_.lost);
+    if (result.tracked) {
+      run_.live_trajectory.push_back({stamp_ns, result.camera_from_map.Inverse() * camera_from_body_});
+    }
+    if (result.state == TrackingState::kLost && state_ != TrackingState::kLost) spdlog::warn("lost the camera");
+    if (result.state == TrackingState::kTracking && state_ == TrackingState::kLost) {
+      spdlog::info(result.closed_map ? "started a new map" : "found the camera again");
+    }
+    state_ = result.state;
+    if (Clock::now() - latest_progress_ < std::chrono::seconds(10)) return;
+    latest_progress_ = Clock::now();
+    const auto atlas = worker_.snapshot();
+    spdlog::info("{}: frame {} of {}, {} tracked, {} keyframes, {} landmarks", run_.name, run_.tracked + run_.lost,
+                 dataset_.frames.size(), run_.tracked, atlas->keyframe_count(), atlas->landmark_count());
+  }
+
+  const Dataset& dataset_;
+  const Rectifier& rectifier_;
+  const AgentOptions& options_;
+  AgentRun& run_;
+  MappingWorker& worker_;
+  const Rigid3d camera_from_body_;
+  Tracker tracker_;
+  StageClock stages_;
+  TrackingState state_ = TrackingState::kStarting;
+  Clock::time_point latest_progress_ = Clock::now();
+  std::size_t unreadable_ = 0;
+};
+
+SessionAnnouncement Announce(const AgentOptions& options, const AgentRun& run, const Rectifier& rectifier) {
+  SessionAnnouncement session;
+  session.session = run.session;
+  session.name = run.name;
+  session.site = options.site;
+  session.sensor_kind = options.sensor;
+  session.ideal_camera = rectifier.camera();
+  session.body_from_camera = rectifier.body_from_camera();
+  session.software_version = kVersion;
+  session.wire_version = kWireVersion;
+  session.epoch_ns =
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+  return session;
+}
+
+// The agent's end of the link to the server; everything null when it runs without one.
+struct ServerLink {
+  std::optional<Domain> domain;
+  std::optional<Participant> participant;
+  std::unique_ptr<UplinkThread> uplink;
+};
+
+Result<ServerLink> OpenLink(const AgentOptions& options, const AgentRun& run, const Rectifier& rectifier) {
+  ServerLink link;
+  if (!options.use_server) return link;
+  auto domain = Domain::Open(options.domain);
+  if (!domain) return tl::make_unexpected(domain.error());
+  link.domain.emplace(std::move(*domain));
+  auto participant = Participant::Open(*link.domain, options.site);
+  if (!participant) return tl::make_unexpected(participant.error());
+  link.participant.emplace(std::move(*participant));
+  auto uplink = UplinkThread::Start(*link.participant, Announce(options, run, rectifier), options.uplink);
+  if (!uplink) return tl::make_unexpected(uplink.error());
+  link.uplink = std::move(*uplink);
+  return link;
+}
+
+void CloseLink(const AgentOptions& options, ServerLink& link, MappingWorker& worker, AgentRun& run) {
+  if (link.uplink == nullptr) return;
+  const Status flushed = worker.Flush(options.flush_patience);
+  if (!flushed) spdlog::warn("{}", flushed.error().message);
+  run.acknowledged = flushed.has_value();
+  link.uplink->Stop();
+  run.uplink = link.uplink->counters();
+}
+
+void MeasureProcess(AgentRun& run) {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  run.cpu_seconds = SecondsOf(usage.ru_utime) + SecondsOf(usage.ru_stime);
+  run.peak_rss_mib = static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+}  // namespace
+
+Result<AgentRun> RunAgent(const AgentOptions& options, const std::stop_token& stop) {
+  const auto start = Clock::now();
+  const auto dataset = OpenDataset(options.dataset, options.sensor);
+  if (!dataset) return tl::make_unexpected(dataset.error());
+  for (const std::string& warning : dataset->warnings) spdlog::warn("{}", warning);
+  const auto rectifier = Rectifier::Create(dataset->rig, options.sensor);
+  if (!rectifier) return tl::make_unexpected(rectifier.error());
+
+  AgentRun run;
+  run.session = RandomSession();
+  run.name = options.name.empty() ? dataset->name : options.name;
+  run.body_from_camera = rectifier->body_from_camera();
+  auto link = OpenLink(options, run, *rectifier);
+  if (!link) return tl::make_unexpected(link.error());
+  MappingWorker worker(run.session, options.mapping, link->uplink.get());
+  FrameLoop loop(*dataset, *rectifier, options, run, worker);
+  FrameSource source(*dataset, options.rate);
+  {
+    const std::stop_callback stop_source(stop, [&source] { source.Stop(); });
+    loop.Run(source);
+  }
+  worker.Finish();
+  CloseLink(options, *link, worker, run);
+  run.source = source.counters();
+  run.atlas = worker.snapshot();
+  StageClock stages;
+  for (const StageClock* clock : {&source.stages(), &loop.stages(), &worker.stages()}) stages.Add(*clock);
+  run.stages = stages.Statistics();
+  run.wall_seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  MeasureProcess(run);
+  return run;
+}
+
+}  // namespace pangaea

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "agent/runtime/agent_options.h"
+#include "agent/runtime/stage_clock.h"
+#include "common/base/result.h"
+#include "common/geometry/stamped_pose.h"
+#include "common/map/atlas.h"
+
+namespace pangaea {
+
+// Everything a finished run can tell.
+struct AgentRun {
+  SessionId session = 0;
+  std::string name;
+  SourceCounters source;
+  std::size_t tracked = 0;  // frames whose pose was refined in a map
+  std::size_t lost = 0;     // frames that were processed and not tracked
+  std::shared_ptr<const Atlas> atlas;
+  std::vector<StampedPose> live_trajectory;  // map_from_body as known at its frame
+  Rigid3d body_from_camera;
+  std::map<std::string, StageStatistics> stages;
+  double wall_seconds = 0.0;
+  double cpu_seconds = 0.0;  // of the whole process, all threads
+  double peak_rss_mib = 0.0;
+  UplinkCounters uplink;
+  bool acknowledged = false;  // the server confirmed that it holds everything
+};
+
+// Runs one session over a dataset: the source, tracking, mapping and uplink threads, or all of it on this thread when
+// options.deterministic. `stop` ends it early and in order. Fails when the dataset, the options or the link's setup are
+// unusable; an absent server is no failure.
+Result<AgentRun> RunAgent(const AgentOptions& options, const std::stop_token& stop);
+
+}  // namespace pangaea

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "agent/mapping/local_mapper.h"
+#include "agent/runtime/stage_clock.h"
+#include "agent/runtime/uplink_thread.h"
+#include "agent/tracking/tracker.h"
+#include "common/base/bounded_queue.h"
+#include "common/base/published.h"
+
+namespace pangaea {
+
+// What one tracked frame means for the map.
+struct MappingInput {
+  std::optional<MapId> closed_map;
+  std::optional<KeyframeCandidate> keyframe;
+  std::optional<TrackedFrame> frame;
+};
+MappingInput MappingInputOf(TrackingResult result);
+
+// The owner of the agent's map: feeds local mapping, publishes snapshots and hands every edit to the uplink. Process
+// and Finish belong to one thread; snapshot() may be called from any.
+class MappingWorker {
+ public:
+  // `uplink` may be null (no server); it outlives the worker.
+  MappingWorker(SessionId session, const LocalMappingOptions& options, UplinkThread* uplink);
+
+  void Process(MappingInput input);
+  // Closes the map at hand and hands on what is still waiting. Afterwards the atlas changes no more.
+  void Finish();
+  // Sends everything exactly, and adopts what the uplink asks for. After Finish.
+  Status Flush(std::chrono::milliseconds patience);
+
+  std::shared_ptr<const Atlas> snapshot() const { return snapshot_.Get(); }
+  const StageClock& stages() const { return stages_; }
+
+ private:
+  void AddWaitingFrames();
+  void Publish();
+
+  LocalMapper mapper_;
+  UplinkThread* uplink_;
+  StageClock stages_;
+  std::optional<MapId> open_map_;
+  std::vector<TrackedFrame> waiting_frames_;
+  Published<Atlas> snapshot_;
+};
+
+// Runs a MappingWorker on a thread of its own. Push, WaitUntilIdle: the tracking thread alone.
+class MappingThread {
+ public:
+  explicit MappingThread(MappingWorker& worker);
+  ~MappingThread();
+
+  // Waits when many inputs are waiting already: frames are cheap, and keyframes are held back by the tracker while
+  // mapping is busy, so this is rare.
+  void Push(MappingInput input);
+  // Waits until everything that was pushed is processed.
+  void WaitUntilIdle();
+
+ private:
+  void Run();
+
+  MappingWorker& worker_;
+  BoundedQueue<MappingInput> queue_;
+  Mutex mutex_;
+  ConditionVariable idle_;
+  std::size_t waiting_ GUARDED_BY(mutex_) = 0;
+  std::jthread thread_;  // last: it uses all the others
+};
+
+}  // namespace pangaea
