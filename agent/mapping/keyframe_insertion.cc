@@ -3,8 +3,14 @@
 #include <map>
 #include <optional>
 
+#include "agent/mapping/measurement_noise.h"
+#include "common/estimation/pose_refinement.h"
+
 namespace pangaea {
 namespace {
+
+// With fewer the tracked pose, which saw the image itself, is the better one.
+constexpr int kMinRefinementInliers = 20;
 
 // The landmark of each keypoint as it lives now in `map`; one landmark at most once, at its first keypoint.
 std::map<LandmarkId, std::uint32_t> LivingLandmarks(const Atlas& atlas, const KeyframeCandidate& candidate) {
@@ -13,7 +19,7 @@ std::map<LandmarkId, std::uint32_t> LivingLandmarks(const Atlas& atlas, const Ke
     if (!candidate.landmarks[keypoint].valid()) continue;
     const LandmarkId id = atlas.Resolve(candidate.landmarks[keypoint]);
     const Landmark* landmark = atlas.FindLandmark(id);
-    if (landmark == nullptr || atlas.FindKeyframe(landmark->reference)->map != candidate.map) continue;
+    if (landmark == nullptr || atlas.MapOf(*landmark) != candidate.map) continue;
     living.try_emplace(id, keypoint);
   }
   return living;
@@ -45,13 +51,35 @@ std::optional<AddKeyframe> MakeRoot(const Atlas& atlas, const KeyframeCandidate&
                      .data = candidate.data};
 }
 
+// The candidate's pose on the landmarks as they are now: since it was tracked they may have moved, and it has depth of
+// its own. The given pose where that does not work out.
+Rigid3d RefineOnLandmarks(const Atlas& atlas, const KeyframeCandidate& candidate,
+                          const std::map<LandmarkId, std::uint32_t>& landmarks, const Rigid3d& camera_from_map,
+                          const MeasurementNoiseOptions& noise) {
+  std::vector<PoseObservation> observations;
+  for (const auto& [id, index] : landmarks) {
+    const Keypoint& keypoint = candidate.data->features.keypoints[index];
+    observations.push_back({.point_in_map = atlas.FindLandmark(id)->point_in_map,
+                            .measurement = MeasurementOf(keypoint),
+                            .inverse_sigma = 1.0 / SigmaOf(keypoint, noise)});
+  }
+  std::vector<std::uint8_t> inliers(observations.size());
+  const PoseRefinementOptions options{.min_inliers = kMinRefinementInliers};
+  const auto refined = RefinePose(candidate.data->camera, camera_from_map, observations, options, inliers);
+  return refined ? refined->camera_from_map : camera_from_map;
+}
+
 std::optional<AddKeyframe> MakeChild(const Atlas& atlas, const KeyframeCandidate& candidate,
-                                     const std::map<LandmarkId, std::uint32_t>& landmarks) {
+                                     const std::map<LandmarkId, std::uint32_t>& landmarks,
+                                     const MeasurementNoiseOptions& noise) {
   const MapInfo* map = atlas.FindMap(candidate.map);
-  const Keyframe* reference = atlas.FindKeyframe(candidate.reference);
-  if (map == nullptr || map->closed || reference == nullptr || reference->map != candidate.map) return std::nullopt;
-  const Rigid3d camera_from_map = candidate.camera_from_reference * reference->camera_from_map;
-  const KeyframeId parent = ChooseParent(atlas, landmarks, reference->id);
+  // It may have been culled since the candidate was tracked against it.
+  const auto reference = atlas.ResolvePose(candidate.reference);
+  if (map == nullptr || map->closed || !reference || reference->keyframe->map != candidate.map) return std::nullopt;
+  const Rigid3d tracked =
+      candidate.camera_from_reference * reference->keyframe_from_asked.Inverse() * reference->keyframe->camera_from_map;
+  const Rigid3d camera_from_map = RefineOnLandmarks(atlas, candidate, landmarks, tracked, noise);
+  const KeyframeId parent = ChooseParent(atlas, landmarks, reference->keyframe->id);
   return AddKeyframe{.id = candidate.id,
                      .map = candidate.map,
                      .parent = parent,
@@ -61,11 +89,12 @@ std::optional<AddKeyframe> MakeChild(const Atlas& atlas, const KeyframeCandidate
 
 }  // namespace
 
-std::vector<MapEdit> InsertKeyframe(const Atlas& atlas, const KeyframeCandidate& candidate) {
-  if (atlas.FindKeyframe(candidate.id) != nullptr) return {};
+std::vector<MapEdit> InsertKeyframe(const Atlas& atlas, const KeyframeCandidate& candidate,
+                                    const MeasurementNoiseOptions& noise) {
+  if (atlas.Knows(candidate.id)) return {};
   const std::map<LandmarkId, std::uint32_t> landmarks = LivingLandmarks(atlas, candidate);
   std::optional<AddKeyframe> keyframe =
-      candidate.reference.valid() ? MakeChild(atlas, candidate, landmarks) : MakeRoot(atlas, candidate);
+      candidate.reference.valid() ? MakeChild(atlas, candidate, landmarks, noise) : MakeRoot(atlas, candidate);
   if (!keyframe) return {};
   std::vector<MapEdit> edits;
   edits.reserve(1 + landmarks.size());

@@ -8,8 +8,8 @@
 
 namespace pangaea {
 
-// Landmarks for the keyframe's keypoints that show none, from stereo depth where that is good. The keyframe that begins a
-// map (the only one of it) takes farther points than a later one. Ids count up from `first_id`.
+// Landmarks for the keyframe's keypoints that show none, from stereo depth where that is good. The keyframe that begins
+// a map (the only one of it) takes farther points than a later one. Ids count up from `first_id`.
 std::vector<MapEdit> CreateFromStereo(const Atlas& atlas, const Keyframe& keyframe, LandmarkId first_id,
                                       const LandmarkCreationOptions& options);
 

@@ -28,7 +28,8 @@ void LandmarkTrials::CountChances(const Atlas& atlas, const Keyframe& keyframe, 
   const Viewpoint viewpoint(keyframe);
   for (Trial& trial : trials_) {
     const Landmark* landmark = atlas.FindLandmark(trial.landmark);
-    if (landmark == nullptr || landmark->reference == keyframe.id) continue;
+    // Its own creation is no chance.
+    if (landmark == nullptr || landmark->reference == keyframe.id || atlas.MapOf(*landmark) != keyframe.map) continue;
     ++trial.keyframes;
     if (Observes(*landmark, keyframe.id)) {
       ++trial.chances;

@@ -5,9 +5,9 @@
 
 #include "agent/mapping/measurement_noise.h"
 #include "agent/mapping/view_prediction.h"
-#include "common/estimation/reprojection.h"
 #include "common/features/feature_grid.h"
 #include "common/features/matching.h"
+#include "common/geometry/reprojection.h"
 
 namespace pangaea {
 namespace {

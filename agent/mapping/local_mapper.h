@@ -25,13 +25,14 @@ class LocalMapper {
 
   // Everything that one keyframe causes. Stages: "local_mapping" around "mapping.insert", "mapping.cull_landmarks",
   // "mapping.search", "mapping.create", "mapping.fuse", "mapping.bundle_adjustment", "mapping.cull_keyframes". When
-  // `stop` is requested (a newer keyframe waits), fusion, bundle adjustment and keyframe culling may be left out or cut
-  // short; the map is consistent all the same. A candidate whose map is closed, whose reference or id is unusable, is
-  // ignored and false returned.
+  // `stop` is requested (a newer keyframe waits), fusion, bundle adjustment and keyframe culling are left out or cut
+  // short; the map is consistent all the same. False, and nothing done, for a candidate that cannot enter the map: its
+  // map is closed, its id is in use, or its reference is unknown.
   bool Insert(const KeyframeCandidate& candidate, StageRecorder& stages, std::stop_token stop = {});
-  // Poses of ordinary frames, ascending by stamp. A frame whose reference was culled hangs below the living ancestor.
+  // Poses of ordinary frames. Those of a culled reference hang below its living ancestor; those of an unknown reference
+  // or out of order are left out.
   void AddFrames(std::span<const TrackedFrame> frames);
-  // No further keyframes; what is on trial stays.
+  // No further keyframes. Landmarks on trial stay as they are. Nothing happens to an unknown map.
   void CloseMap(MapId map);
 
   const Atlas& atlas() const { return atlas_; }
@@ -39,7 +40,16 @@ class LocalMapper {
   std::vector<MapEdit> TakeEdits();
 
  private:
+  void SearchOldLandmarks(KeyframeId newest);
+  void CreateLandmarks(KeyframeId newest);
+  void FuseIntoNeighbours(KeyframeId newest, const std::stop_token& stop);
+  void AdjustBundle(KeyframeId newest, std::stop_token stop);
+  void CullKeyframes(KeyframeId newest, KeyframeId reference);
+  // The only place where the atlas changes.
+  void Commit(MapEdit edit);
   void Commit(std::vector<MapEdit> edits);
+  void CommitCreated(std::vector<MapEdit> edits);
+  LandmarkId NextLandmark() const { return {session_, landmarks_created_ + 1}; }
 
   SessionId session_;
   LocalMappingOptions options_;

@@ -83,7 +83,8 @@ struct LocalBundleAdjustmentOptions {
   std::size_t window_keyframes = 12;
   // Keyframes held fixed because they see the window's landmarks; the ones with most such landmarks (count).
   std::size_t fixed_keyframes = 30;
-  int max_iterations = 8;
+  int iterations = 5;                   // steps with the robust kernel
+  int iterations_without_outliers = 3;  // then so many without it and without the outliers it showed
   BundleAdjustmentBackEnd back_end = BundleAdjustmentBackEnd::kFast;
 };
 
@@ -92,7 +93,7 @@ struct KeyframeCullingOptions {
   double redundant_ratio = 0.9;
   std::size_t other_observers = 3;  // count
   // The newest keyframes are never culled: tracking refers to them and their landmarks are on trial (count).
-  std::size_t newest_kept = 3;
+  std::uint32_t newest_kept = 3;
 };
 
 // See measurement_noise.h.

@@ -1,0 +1,138 @@
+#include "agent/mapping/local_mapper.h"
+
+#include <limits>
+#include <utility>
+
+#include "agent/mapping/keyframe_culling.h"
+#include "agent/mapping/keyframe_insertion.h"
+#include "agent/mapping/landmark_creation.h"
+#include "agent/mapping/landmark_search.h"
+#include "agent/mapping/local_bundle_adjustment.h"
+#include "agent/mapping/neighbourhood.h"
+#include "common/base/check.h"
+#include "common/map/map_edit.h"
+#include "common/map/spanning_tree.h"
+
+namespace pangaea {
+
+LocalMapper::LocalMapper(SessionId session, LocalMappingOptions options)
+    : session_(session), options_(options), trials_(options.landmark_culling) {}
+
+bool LocalMapper::Insert(const KeyframeCandidate& candidate, StageRecorder& stages, std::stop_token stop) {
+  const StageScope whole(stages, "local_mapping");
+  {
+    const StageScope stage(stages, "mapping.insert");
+    std::vector<MapEdit> edits = InsertKeyframe(atlas_, candidate, options_.noise);
+    if (edits.empty()) return false;
+    Commit(std::move(edits));
+  }
+  {
+    const StageScope stage(stages, "mapping.cull_landmarks");
+    Commit(trials_.Judge(atlas_));
+  }
+  {
+    const StageScope stage(stages, "mapping.search");
+    SearchOldLandmarks(candidate.id);
+  }
+  {
+    const StageScope stage(stages, "mapping.create");
+    CreateLandmarks(candidate.id);
+  }
+  {
+    const StageScope stage(stages, "mapping.fuse");
+    FuseIntoNeighbours(candidate.id, stop);
+  }
+  trials_.CountChances(atlas_, *atlas_.FindKeyframe(candidate.id), options_.search.max_view_angle);
+  if (stop.stop_requested()) return true;
+  {
+    const StageScope stage(stages, "mapping.bundle_adjustment");
+    AdjustBundle(candidate.id, stop);
+  }
+  {
+    const StageScope stage(stages, "mapping.cull_keyframes");
+    CullKeyframes(candidate.id, candidate.reference);
+  }
+  return true;
+}
+
+void LocalMapper::AddFrames(std::span<const TrackedFrame> frames) {
+  AddFramePoses edit;
+  std::int64_t newest_stamp = std::numeric_limits<std::int64_t>::min();
+  for (const TrackedFrame& frame : frames) {
+    if (!atlas_.Knows(frame.reference) || frame.pose.stamp_ns <= newest_stamp) continue;
+    newest_stamp = frame.pose.stamp_ns;
+    edit.frames.push_back(frame);
+  }
+  if (!edit.frames.empty()) Commit(std::move(edit));
+}
+
+void LocalMapper::CloseMap(MapId map) {
+  const MapInfo* info = atlas_.FindMap(map);
+  if (info == nullptr || info->closed) return;
+  Commit(pangaea::CloseMap{.map = map});
+  trials_ = LandmarkTrials(options_.landmark_culling);
+}
+
+std::vector<MapEdit> LocalMapper::TakeEdits() { return std::exchange(pending_edits_, {}); }
+
+void LocalMapper::SearchOldLandmarks(KeyframeId newest) {
+  const Keyframe& keyframe = *atlas_.FindKeyframe(newest);
+  const std::vector<KeyframeId> neighbours = Neighbourhood(atlas_, keyframe, options_.search.neighbourhood);
+  Commit(SearchLandmarks(atlas_, keyframe, LandmarksSeenBy(atlas_, neighbours), options_.search));
+}
+
+void LocalMapper::CreateLandmarks(KeyframeId newest) {
+  CommitCreated(CreateFromStereo(atlas_, *atlas_.FindKeyframe(newest), NextLandmark(), options_.creation));
+  const Keyframe& keyframe = *atlas_.FindKeyframe(newest);
+  std::vector<KeyframeId> neighbours = BestCovisible(keyframe, options_.creation.neighbours);
+  // Two monocular keyframes that begin a map share no landmark yet.
+  if (neighbours.empty() && keyframe.parent.valid()) neighbours.push_back(keyframe.parent);
+  CommitCreated(CreateByTriangulation(atlas_, keyframe, neighbours, NextLandmark(), options_.creation, options_.noise));
+}
+
+void LocalMapper::FuseIntoNeighbours(KeyframeId newest, const std::stop_token& stop) {
+  for (const KeyframeId neighbour : BestCovisible(*atlas_.FindKeyframe(newest), options_.search.fused_keyframes)) {
+    if (stop.stop_requested()) return;
+    // Anew for each: an earlier fusion may have replaced a landmark.
+    const std::vector<LandmarkId> wanted = LandmarksSeenBy(atlas_, {newest});
+    Commit(SearchLandmarks(atlas_, *atlas_.FindKeyframe(neighbour), wanted, options_.search));
+  }
+}
+
+void LocalMapper::AdjustBundle(KeyframeId newest, std::stop_token stop) {
+  const AdjustmentWindow window = ChooseAdjustmentWindow(atlas_, newest, options_.bundle_adjustment);
+  if (window.free.empty()) return;
+  LocalAdjustment adjustment =
+      AdjustLocalMap(atlas_, window, options_.bundle_adjustment, options_.noise, std::move(stop));
+  if (adjustment.camera_from_map.empty()) return;
+  Commit(MoveKeyframesTo(atlas_, adjustment.camera_from_map));
+  Commit(MoveLandmarksTo(atlas_, adjustment.point_in_map));
+  Commit(std::move(adjustment.removals));
+}
+
+void LocalMapper::CullKeyframes(KeyframeId newest, KeyframeId reference) {
+  const std::vector<KeyframeId> kept{atlas_.Resolve(reference)};
+  while (const auto redundant =
+             FindRedundantKeyframe(atlas_, *atlas_.FindKeyframe(newest), kept, options_.creation.close_depth_baselines,
+                                   options_.keyframe_culling)) {
+    Commit(RemoveKeyframe{.id = *redundant});
+  }
+}
+
+void LocalMapper::Commit(MapEdit edit) {
+  // Our own edits fit our own atlas; anything else is a bug of local mapping.
+  PANGAEA_CHECK(Apply(edit, atlas_).has_value());
+  pending_edits_.push_back(std::move(edit));
+}
+
+void LocalMapper::Commit(std::vector<MapEdit> edits) {
+  for (MapEdit& edit : edits) Commit(std::move(edit));
+}
+
+void LocalMapper::CommitCreated(std::vector<MapEdit> edits) {
+  for (const MapEdit& edit : edits) landmarks_created_ += std::holds_alternative<AddLandmark>(edit) ? 1 : 0;
+  trials_.Begin(edits);
+  Commit(std::move(edits));
+}
+
+}  // namespace pangaea

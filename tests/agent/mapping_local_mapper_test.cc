@@ -1,0 +1,242 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "agent/mapping/local_mapper.h"
+#include "common/geometry/horn.h"
+#include "common/map/consistency.h"
+#include "common/map/digest.h"
+#include "common/map/map_edit.h"
+#include "tests/agent/mapping_synthetic_world.h"
+
+namespace pangaea {
+namespace {
+
+using testing::CirclePose;
+using ::testing::IsEmpty;
+using testing::LookAlong;
+using testing::SyntheticWorld;
+using testing::SyntheticWorldOptions;
+
+constexpr SessionId kSession = 1;
+
+// A mapper that walks through a synthetic world.
+class Walk {
+ public:
+  explicit Walk(const SyntheticWorldOptions& world = {}, const LocalMappingOptions& mapping = {})
+      : world(world), mapper(kSession, mapping) {}
+
+  KeyframeId Visit(const Rigid3d& camera_from_world, std::stop_token stop = {}) {
+    const KeyframeCandidate candidate = world.NextKeyframe(camera_from_world, mapper.atlas());
+    NoStageRecorder stages;
+    EXPECT_TRUE(mapper.Insert(candidate, stages, std::move(stop)));
+    return candidate.id;
+  }
+  void WalkCircle(int first, int last, int keyframes_of_circle) {
+    for (int k = first; k < last; ++k) Visit(CirclePose(k, keyframes_of_circle));
+  }
+
+  // Of the camera centres of living keyframes, in the frame of the first, metres.
+  double LargestPositionError() const {
+    const Rigid3d& world_from_map_inverse = world.true_camera_from_world({kSession, 1});
+    double largest = 0.0;
+    mapper.atlas().ForEachKeyframe([&](const Keyframe& keyframe) {
+      const Rigid3d truth = world.true_camera_from_world(keyframe.id) * world_from_map_inverse.Inverse();
+      const Eigen::Vector3d error = truth.Inverse().translation() - keyframe.camera_from_map.Inverse().translation();
+      largest = std::max(largest, error.norm());
+    });
+    return largest;
+  }
+  double PositionError(KeyframeId id) const {
+    const Keyframe& keyframe = *mapper.atlas().FindKeyframe(id);
+    const Rigid3d truth = world.true_camera_from_world(id) * world.true_camera_from_world({kSession, 1}).Inverse();
+    return (truth.Inverse().translation() - keyframe.camera_from_map.Inverse().translation()).norm();
+  }
+  // The corner that a landmark shows, by its first observation.
+  int PointOf(const Landmark& landmark) const {
+    const Observation& first = landmark.observations.front();
+    return world.points_of(first.keyframe)[first.keypoint];
+  }
+  // Part of the landmarks that show a corner which another landmark shows as well.
+  double DuplicateShare() const {
+    std::set<int> shown;
+    std::size_t duplicates = 0;
+    mapper.atlas().ForEachLandmark(
+        [&](const Landmark& landmark) { duplicates += shown.insert(PointOf(landmark)).second ? 0 : 1; });
+    return static_cast<double>(duplicates) / static_cast<double>(mapper.atlas().landmark_count());
+  }
+  // Part of the observations that show another corner than their landmark's first one.
+  double WrongObservationShare() const {
+    std::size_t wrong = 0;
+    std::size_t all = 0;
+    mapper.atlas().ForEachLandmark([&](const Landmark& landmark) {
+      for (const Observation& observation : landmark.observations) {
+        wrong += world.points_of(observation.keyframe)[observation.keypoint] == PointOf(landmark) ? 0 : 1;
+        ++all;
+      }
+    });
+    return static_cast<double>(wrong) / static_cast<double>(all);
+  }
+
+  SyntheticWorld world;
+  LocalMapper mapper;
+};
+
+TEST(LocalMapper, FirstStereoKeyframeFillsTheMapByItself) {
+  Walk walk;
+  const KeyframeId root = walk.Visit(CirclePose(0, 60));
+  EXPECT_GT(walk.mapper.atlas().landmark_count(), 200U);
+  EXPECT_FALSE(walk.mapper.atlas().FindKeyframe(root)->parent.valid());
+  EXPECT_THAT(CheckConsistency(walk.mapper.atlas()), IsEmpty());
+}
+
+TEST(LocalMapper, KeyframesEndWithinMillimetresOfTheTruth) {
+  Walk walk;
+  walk.WalkCircle(0, 16, 60);
+  EXPECT_LT(walk.LargestPositionError(), 0.006);
+  EXPECT_THAT(CheckConsistency(walk.mapper.atlas()), IsEmpty());
+}
+
+TEST(LocalMapper, OneCornerBecomesOneLandmark) {
+  Walk walk;
+  walk.WalkCircle(0, 16, 60);
+  EXPECT_LT(walk.DuplicateShare(), 0.02);
+  EXPECT_LT(walk.WrongObservationShare(), 0.002);
+}
+
+TEST(LocalMapper, SeeingTheStartAgainObservesItsLandmarksAndTakesBackTheDrift) {
+  Walk blind({}, [] {
+    LocalMappingOptions options;
+    options.search.neighbourhood.overlapping = 0;
+    options.search.neighbourhood.second_of_each = 0;
+    return options;
+  }());
+  Walk walk;
+  for (int k = 0; k < 64; ++k) {
+    blind.Visit(CirclePose(k, 60));
+    walk.Visit(CirclePose(k, 60));
+  }
+  const Keyframe& last = *walk.mapper.atlas().FindKeyframe({kSession, 64});
+  const bool sees_the_start = std::any_of(last.covisible.begin(), last.covisible.end(), [](const Covisibility& edge) {
+    return edge.keyframe.counter <= 6 && edge.weight >= 50;
+  });
+  EXPECT_TRUE(sees_the_start);
+  EXPECT_LT(walk.PositionError(last.id), 0.01);
+  EXPECT_LT(walk.PositionError(last.id), blind.PositionError(last.id) + 0.002);
+  EXPECT_LT(walk.DuplicateShare(), 0.02);
+  EXPECT_THAT(CheckConsistency(walk.mapper.atlas()), IsEmpty());
+}
+
+TEST(LocalMapper, WronglyTrackedLandmarksAreThrownOut) {
+  Walk walk(SyntheticWorldOptions{.wrongly_tracked = 0.05});
+  walk.WalkCircle(0, 16, 60);
+  EXPECT_LT(walk.LargestPositionError(), 0.008);
+  EXPECT_LT(walk.WrongObservationShare(), 0.01);
+}
+
+TEST(LocalMapper, MonocularMapGrowsFromTwoKeyframes) {
+  Walk walk(SyntheticWorldOptions{.stereo = false, .position_noise = 0.0, .rotation_noise = 0.0});
+  walk.WalkCircle(0, 2, 60);
+  EXPECT_GT(walk.mapper.atlas().landmark_count(), 100U);
+  walk.WalkCircle(2, 20, 60);
+  std::vector<Eigen::Vector3d> truth;
+  std::vector<Eigen::Vector3d> estimate;
+  walk.mapper.atlas().ForEachKeyframe([&](const Keyframe& keyframe) {
+    truth.push_back(walk.world.true_camera_from_world(keyframe.id).Inverse().translation());
+    estimate.push_back(keyframe.camera_from_map.Inverse().translation());
+  });
+  const auto world_from_map = AlignPoints(truth, estimate, true);
+  ASSERT_TRUE(world_from_map.has_value());
+  for (std::size_t i = 0; i < truth.size(); ++i) EXPECT_LT((truth[i] - *world_from_map * estimate[i]).norm(), 0.01);
+  EXPECT_LT(walk.DuplicateShare(), 0.03);
+  EXPECT_THAT(CheckConsistency(walk.mapper.atlas()), IsEmpty());
+}
+
+TEST(LocalMapper, StandingStillKeepsFewKeyframes) {
+  Walk walk;
+  for (int k = 0; k < 20; ++k) walk.Visit(LookAlong({0.01 * k, 0.0, 0.0}, 0.3));
+  EXPECT_LE(walk.mapper.atlas().keyframe_count(), 9U);
+  EXPECT_THAT(CheckConsistency(walk.mapper.atlas()), IsEmpty());
+}
+
+TEST(LocalMapper, WalkingKeepsMostKeyframes) {
+  Walk walk;
+  walk.WalkCircle(0, 20, 40);
+  EXPECT_GE(walk.mapper.atlas().keyframe_count(), 12U);
+}
+
+TEST(LocalMapper, AStoppedInsertLeavesAConsistentMap) {
+  Walk walk;
+  walk.WalkCircle(0, 4, 60);
+  walk.mapper.TakeEdits();
+  std::stop_source source;
+  source.request_stop();
+  const KeyframeId id = walk.Visit(CirclePose(4, 60), source.get_token());
+  EXPECT_NE(walk.mapper.atlas().FindKeyframe(id), nullptr);
+  EXPECT_THAT(CheckConsistency(walk.mapper.atlas()), IsEmpty());
+  for (const MapEdit& edit : walk.mapper.TakeEdits()) EXPECT_FALSE(std::holds_alternative<MoveKeyframes>(edit));
+}
+
+TEST(LocalMapper, TheEditsTakenRebuildTheAtlas) {
+  Walk walk;
+  Atlas copy;
+  for (int k = 0; k < 12; ++k) {
+    walk.Visit(CirclePose(k, 60));
+    for (const MapEdit& edit : walk.mapper.TakeEdits()) ASSERT_TRUE(Apply(edit, copy).has_value());
+  }
+  EXPECT_EQ(Digest(copy), Digest(walk.mapper.atlas()));
+  EXPECT_THAT(walk.mapper.TakeEdits(), IsEmpty());
+}
+
+TEST(LocalMapper, TheSameKeyframesGiveTheSameMap) {
+  Walk first;
+  Walk second;
+  first.WalkCircle(0, 10, 60);
+  second.WalkCircle(0, 10, 60);
+  EXPECT_EQ(Digest(first.mapper.atlas()), Digest(second.mapper.atlas()));
+  EXPECT_EQ(first.mapper.atlas().version(), second.mapper.atlas().version());
+}
+
+TEST(LocalMapper, ANewMapStartsAfterTheOldOneIsClosed) {
+  Walk walk;
+  walk.WalkCircle(0, 5, 60);
+  walk.mapper.CloseMap({kSession, 1});
+  NoStageRecorder stages;
+  const KeyframeCandidate late = walk.world.NextKeyframe(CirclePose(5, 60), walk.mapper.atlas());
+  EXPECT_FALSE(walk.mapper.Insert(late, stages));
+  walk.world.BeginMap({kSession, 2});
+  for (int k = 30; k < 35; ++k) walk.Visit(CirclePose(k, 60));
+  EXPECT_EQ(walk.mapper.atlas().Maps().size(), 2U);
+  EXPECT_TRUE(walk.mapper.atlas().FindMap({kSession, 1})->closed);
+  EXPECT_THAT(CheckConsistency(walk.mapper.atlas()), IsEmpty());
+}
+
+TEST(LocalMapper, ACandidateWithAnUnknownReferenceIsRefused) {
+  Walk walk;
+  walk.WalkCircle(0, 2, 60);
+  KeyframeCandidate candidate = walk.world.NextKeyframe(CirclePose(2, 60), walk.mapper.atlas());
+  candidate.reference = {kSession, 99};
+  NoStageRecorder stages;
+  const auto version = walk.mapper.atlas().version();
+  EXPECT_FALSE(walk.mapper.Insert(candidate, stages));
+  EXPECT_EQ(walk.mapper.atlas().version(), version);
+}
+
+TEST(LocalMapper, FramesOfAnUnknownReferenceAreLeftOut) {
+  Walk walk;
+  const KeyframeId root = walk.Visit(CirclePose(0, 60));
+  const std::vector<TrackedFrame> frames{{.reference = root, .pose = {.stamp_ns = 1'500'000'000}},
+                                         {.reference = {kSession, 99}, .pose = {.stamp_ns = 1'600'000'000}},
+                                         {.reference = root, .pose = {.stamp_ns = 1'550'000'000}},
+                                         {.reference = root, .pose = {.stamp_ns = 1'700'000'000}}};
+  walk.mapper.AddFrames(frames);
+  const auto edits = walk.mapper.TakeEdits();
+  ASSERT_TRUE(std::holds_alternative<AddFramePoses>(edits.back()));
+  EXPECT_EQ(std::get<AddFramePoses>(edits.back()).frames.size(), 3U);
+}
+
+}  // namespace
+}  // namespace pangaea
