@@ -12,6 +12,8 @@ find_package(CLI11 REQUIRED)
 find_package(tl-expected REQUIRED)
 find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 find_library(XXHASH_LIBRARY xxhash REQUIRED)
+find_path(DEFLATE_INCLUDE_DIR libdeflate.h REQUIRED)
+find_library(DEFLATE_LIBRARY deflate REQUIRED)
 
 # OpenCV's headers warn under C++20, so they are system headers here.
 add_library(pangaea_opencv INTERFACE)
@@ -21,3 +23,7 @@ target_link_libraries(pangaea_opencv INTERFACE ${OpenCV_LIBS})
 add_library(pangaea_xxhash INTERFACE)
 target_include_directories(pangaea_xxhash SYSTEM INTERFACE ${XXHASH_INCLUDE_DIR})
 target_link_libraries(pangaea_xxhash INTERFACE ${XXHASH_LIBRARY})
+
+add_library(pangaea_deflate INTERFACE)
+target_include_directories(pangaea_deflate SYSTEM INTERFACE ${DEFLATE_INCLUDE_DIR})
+target_link_libraries(pangaea_deflate INTERFACE ${DEFLATE_LIBRARY})

@@ -1,0 +1,178 @@
+#include "common/sensor/image.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/sensor/png.h"
+
+namespace pangaea {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+constexpr std::uintmax_t kMaxFileBytes = 256U << 20U;
+
+Result<Bytes> ReadBytes(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return Fail(ErrorCode::kNotFound, "there is no such file");
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error || size > kMaxFileBytes) return Fail(ErrorCode::kCorrupt, "too large for an image");
+  if (size == 0) return Fail(ErrorCode::kCorrupt, "truncated: the file is empty");
+  Bytes bytes(size);
+  std::ifstream file(path, std::ios::binary);
+  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+  if (!file) return Fail(ErrorCode::kUnavailable, "the file cannot be read");
+  return bytes;
+}
+
+int ByteAt(std::span<const std::byte> bytes, std::size_t i) { return static_cast<int>(bytes[i]); }
+
+bool IsJpeg(std::span<const std::byte> file) {
+  return file.size() >= 2 && ByteAt(file, 0) == 0xFF && ByteAt(file, 1) == 0xD8;
+}
+
+// The decoder fills what is missing with grey and succeeds, so the end-of-image marker is looked for here. A few bytes
+// of padding may follow it.
+bool JpegIsComplete(std::span<const std::byte> file) {
+  std::size_t end = file.size();
+  while (end > 2 && ByteAt(file, end - 1) == 0) --end;
+  return end > 2 && ByteAt(file, end - 2) == 0xFF && ByteAt(file, end - 1) == 0xD9;
+}
+
+// ITU T.81, annex B: the frame header SOFn holds the size.
+Result<ImageSize> JpegSize(std::span<const std::byte> file) {
+  std::size_t at = 2;
+  while (at + 9 <= file.size() && ByteAt(file, at) == 0xFF) {
+    const int marker = ByteAt(file, at + 1);
+    const bool is_frame_header = marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
+    if (is_frame_header) {
+      return ImageSize{ByteAt(file, at + 7) << 8 | ByteAt(file, at + 8),
+                       ByteAt(file, at + 5) << 8 | ByteAt(file, at + 6)};
+    }
+    const bool is_fill = marker == 0xFF;
+    at += is_fill ? 1 : 2 + static_cast<std::size_t>(ByteAt(file, at + 2) << 8 | ByteAt(file, at + 3));
+  }
+  return Fail(ErrorCode::kCorrupt, "truncated or corrupt: the JPEG has no frame header");
+}
+
+// A binary PGM: "P5", width, height, largest value, one blank, pixels.
+struct PgmParts {
+  ImageSize size;
+  std::span<const std::byte> pixels;
+};
+
+Result<PgmParts> ParsePgm(std::span<const std::byte> file) {
+  std::size_t at = 2;
+  int numbers[3] = {};
+  for (int& number : numbers) {
+    while (at < file.size() && (std::isspace(ByteAt(file, at)) != 0 || ByteAt(file, at) == '#')) {
+      const bool is_comment = ByteAt(file, at) == '#';
+      while (is_comment && at + 1 < file.size() && ByteAt(file, at) != '\n') ++at;
+      ++at;
+    }
+    while (at < file.size() && std::isdigit(ByteAt(file, at)) != 0 && number < 1 << 20) {
+      number = number * 10 + (ByteAt(file, at++) - '0');
+    }
+  }
+  ++at;
+  if (numbers[0] <= 0 || numbers[1] <= 0 || numbers[2] <= 0 || numbers[2] > 255 || at > file.size()) {
+    return Fail(ErrorCode::kCorrupt, "the PGM header is not that of an 8-bit image");
+  }
+  return PgmParts{{numbers[0], numbers[1]}, file.subspan(at)};
+}
+
+bool IsPgm(std::span<const std::byte> file) {
+  return file.size() >= 2 && ByteAt(file, 0) == 'P' && ByteAt(file, 1) == '5';
+}
+
+Status CheckSize(ImageSize size, ImageSize expected) {
+  if (size == expected) return {};
+  const auto text = [](ImageSize s) { return std::to_string(s.width) + " x " + std::to_string(s.height); };
+  return Fail(ErrorCode::kCorrupt, "the image is " + text(size) + " pixels, the calibration says " + text(expected));
+}
+
+Result<cv::Mat> DecodeWithOpenCv(std::span<const std::byte> file, ImageSize expected) {
+  try {
+    const cv::Mat raw(1, static_cast<int>(file.size()), CV_8UC1, const_cast<std::byte*>(file.data()));
+    cv::Mat image = cv::imdecode(raw, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+    if (image.empty()) return Fail(ErrorCode::kCorrupt, "corrupt: the pixels cannot be decoded");
+    if (auto status = CheckSize({image.cols, image.rows}, expected); !status) {
+      return tl::make_unexpected(status.error());
+    }
+    return image;
+  } catch (const std::exception& exception) {
+    return Fail(ErrorCode::kCorrupt, std::string("corrupt: ") + exception.what());
+  }
+}
+
+Result<cv::Mat> DecodePng(std::span<const std::byte> file, ImageSize expected) {
+  const auto parts = ParsePng(file);
+  if (!parts) return tl::make_unexpected(parts.error());
+  if (auto status = CheckSize(parts->size, expected); !status) return tl::make_unexpected(status.error());
+  return parts->is_plain_gray ? DecodeGrayPng(*parts) : DecodeWithOpenCv(file, expected);
+}
+
+Result<cv::Mat> DecodeJpeg(std::span<const std::byte> file, ImageSize expected) {
+  const auto size = JpegSize(file);
+  if (!size) return tl::make_unexpected(size.error());
+  if (auto status = CheckSize(*size, expected); !status) return tl::make_unexpected(status.error());
+  if (!JpegIsComplete(file)) return Fail(ErrorCode::kCorrupt, "truncated: the file ends before the JPEG does");
+  return DecodeWithOpenCv(file, expected);
+}
+
+Result<cv::Mat> DecodePgm(std::span<const std::byte> file, ImageSize expected) {
+  const auto parts = ParsePgm(file);
+  if (!parts) return tl::make_unexpected(parts.error());
+  if (auto status = CheckSize(parts->size, expected); !status) return tl::make_unexpected(status.error());
+  cv::Mat image(expected.height, expected.width, CV_8UC1);
+  if (parts->pixels.size() < image.total()) {
+    return Fail(ErrorCode::kCorrupt, "truncated: the file ends before the PGM's pixels do");
+  }
+  std::memcpy(image.data, parts->pixels.data(), image.total());
+  return image;
+}
+
+Result<cv::Mat> Decode(std::span<const std::byte> file, ImageSize expected) {
+  if (IsPng(file)) return DecodePng(file, expected);
+  if (IsJpeg(file)) return DecodeJpeg(file, expected);
+  if (IsPgm(file)) return DecodePgm(file, expected);
+  return Fail(ErrorCode::kUnsupported, "neither a PNG nor a JPEG nor a binary PGM file");
+}
+
+Result<ImageSize> SizeOf(std::span<const std::byte> file) {
+  if (IsPng(file)) return ParsePng(file).map([](const PngParts& parts) { return parts.size; });
+  if (IsJpeg(file)) return JpegSize(file);
+  if (IsPgm(file)) return ParsePgm(file).map([](const PgmParts& parts) { return parts.size; });
+  return Fail(ErrorCode::kUnsupported, "neither a PNG nor a JPEG nor a binary PGM file");
+}
+
+template <typename T>
+Result<T> NameFile(Result<T> result, const std::filesystem::path& path) {
+  if (!result) result.error().message = path.string() + ": " + result.error().message;
+  return result;
+}
+
+}  // namespace
+
+Result<ImageSize> ReadImageSize(const std::filesystem::path& path) {
+  const auto file = ReadBytes(path);
+  if (!file) return NameFile<ImageSize>(tl::make_unexpected(file.error()), path);
+  return NameFile(SizeOf(*file), path);
+}
+
+Result<cv::Mat> ReadGrayImage(const std::filesystem::path& path, ImageSize expected) {
+  const auto file = ReadBytes(path);
+  if (!file) return NameFile<cv::Mat>(tl::make_unexpected(file.error()), path);
+  return NameFile(Decode(*file, expected), path);
+}
+
+}  // namespace pangaea
