@@ -1,0 +1,219 @@
+#include "server/runtime/atlas_service.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "server/runtime/unix_clock.h"
+
+namespace pangaea {
+namespace {
+
+double MillisecondsSince(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+}
+
+std::size_t BytesOf(const IngestInput& input) {
+  const auto* envelope = std::get_if<EnvelopeArrived>(&input);
+  return envelope == nullptr ? 0 : envelope->envelope.edits.size();
+}
+
+IngestState StateOf(const RecoveredAtlas& recovered) {
+  IngestState state;
+  state.atlas = recovered.atlas;
+  state.position = recovered.position;
+  for (const SessionRecord& record : recovered.sessions) {
+    state.sessions.emplace(record.announcement.session, IngestSession(record));
+  }
+  for (const auto& [session, rejection] : recovered.rejections) {
+    const auto found = state.sessions.find(session);
+    if (found != state.sessions.end()) found->second.RememberRejection(rejection);
+  }
+  return state;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<AtlasService>> AtlasService::Open(const std::filesystem::path& path, const std::string& site,
+                                                         const ServiceOptions& options) {
+  if (auto status = options.Check(); !status) return tl::make_unexpected(status.error());
+  auto store = Store::Open(path, site, options.store);
+  if (!store) return tl::make_unexpected(store.error());
+  auto recovered = RecoverAtlas(*store);
+  if (!recovered) return tl::make_unexpected(recovered.error());
+  const auto incarnation = store->BeginIncarnation();
+  if (!incarnation) return tl::make_unexpected(incarnation.error());
+  auto snapshots = SnapshotStore::Open(path, options.store.max_bytes);
+  if (!snapshots) return tl::make_unexpected(snapshots.error());
+  const SnapshotTriggers triggers{options.snapshot_envelopes, options.snapshot_bytes};
+  auto thread = std::make_unique<SnapshotThread>(std::move(*snapshots), triggers, recovered->snapshot_position,
+                                                 recovered->replayed);
+  return std::unique_ptr<AtlasService>(
+      new AtlasService(std::move(*store), std::move(*recovered), *incarnation, site, std::move(thread), options));
+}
+
+AtlasService::AtlasService(Store store, RecoveredAtlas recovered, std::uint64_t incarnation, std::string site,
+                           std::unique_ptr<SnapshotThread> snapshots, const ServiceOptions& options)
+    : site_(std::move(site)),
+      options_(options),
+      incarnation_(incarnation),
+      queue_(options.queue_capacity),
+      state_(std::make_shared<const ServiceState>()),
+      store_(std::move(store)),
+      snapshots_(std::move(snapshots)) {
+  current_.ingest = StateOf(recovered);
+  PublishState();
+}
+
+AtlasService::~AtlasService() { Stop(); }
+
+void AtlasService::Start(ServiceOutput output) {
+  output_ = std::move(output);
+  snapshots_->Start();
+  thread_ = std::thread([this] { Run(); });
+}
+
+void AtlasService::Stop() {
+  queue_.Close();
+  if (thread_.joinable()) thread_.join();
+  snapshots_->Stop();
+}
+
+void AtlasService::Submit(IngestInput input) { (void)queue_.Push(Arrival{std::move(input), Clock::now()}); }
+
+void AtlasService::Tick() { (void)queue_.TryPush(Ticked{}); }
+
+void AtlasService::SetStoreQuota(std::uint64_t max_bytes) { (void)queue_.Push(NewQuota{max_bytes}); }
+
+void AtlasService::Run() {
+  while (auto job = queue_.Pop()) {
+    if (!failed_) RunRound(NextJobs(std::move(*job)));
+  }
+}
+
+std::vector<AtlasService::Job> AtlasService::NextJobs(Job first) {
+  std::vector<Job> jobs;
+  std::size_t bytes = 0;
+  for (std::optional<Job> job(std::move(first)); job; job = queue_.TryPop()) {
+    if (const auto* arrival = std::get_if<Arrival>(&*job)) bytes += BytesOf(arrival->input);
+    jobs.push_back(std::move(*job));
+    if (jobs.size() >= options_.round_envelopes || bytes >= options_.round_bytes) break;
+  }
+  return jobs;
+}
+
+void AtlasService::RunRound(std::vector<Job> jobs) {
+  LookAfterStore(jobs);
+  if (!current_.store_error.empty()) return AdoptWithoutStore(jobs, current_.store_error);
+  const std::vector<Clock::time_point> arrivals = EnvelopeArrivals(jobs);
+  IngestOutcome outcome = JudgeRound(jobs);
+  const Status stored = Commit(outcome.batch);
+  if (!stored && stored.error().code == ErrorCode::kUnavailable) {
+    return AdoptWithoutStore(jobs, stored.error().message);
+  }
+  if (!stored) {
+    failed_ = true;
+    return output_.fail(stored.error());
+  }
+  unsaved_.clear();
+  Adopt(std::move(outcome));
+  for (const auto arrival : arrivals) current_.acknowledge_ms.Add(MillisecondsSince(arrival));
+  PublishState();
+  if (HasInput(jobs)) output_.changed();
+}
+
+void AtlasService::LookAfterStore(const std::vector<Job>& jobs) {
+  for (const Job& job : jobs) {
+    if (const auto* quota = std::get_if<NewQuota>(&job)) {
+      if (const auto status = store_.SetMaxBytes(quota->max_bytes); !status) spdlog::warn(status.error().message);
+    }
+    if (!std::holds_alternative<Ticked>(job)) continue;
+    current_.store = store_.Size();
+    if (!current_.store_error.empty()) TryStoreAgain();
+  }
+}
+
+void AtlasService::TryStoreAgain() {
+  if (const auto status = store_.Probe(); !status) return;
+  current_.store_error.clear();
+  Report({{}, AtlasEventKind::kStoreRecovered, "the store takes writes again", 0, 0});
+  // What was dropped meanwhile comes again at once, not after the agents' patience.
+  for (const auto& [id, session] : current_.ingest.sessions) {
+    if (session.alive()) output_.acknowledge({id, session.record().acknowledged, incarnation_, {}});
+  }
+  output_.changed();
+}
+
+IngestOutcome AtlasService::JudgeRound(std::vector<Job>& jobs) const {
+  IngestRound round(current_.ingest, options_.ingest, UnixNanoseconds());
+  for (Job& job : jobs) {
+    if (auto* arrival = std::get_if<Arrival>(&job)) {
+      std::visit([&round](auto&& input) { round.Take(std::move(input)); }, std::move(arrival->input));
+    }
+  }
+  return std::move(round).Finish(unsaved_);
+}
+
+Status AtlasService::Commit(const JournalBatch& batch) {
+  if (batch.empty()) return {};
+  const auto begin = Clock::now();
+  Status status = store_.Append(batch);
+  current_.commit_ms.Add(MillisecondsSince(begin));
+  return status;
+}
+
+void AtlasService::Adopt(IngestOutcome outcome) {
+  current_.ingest = std::move(outcome.state);
+  std::uint64_t bytes = 0;
+  for (const JournalEntry& entry : outcome.batch.entries) bytes += entry.envelope.edits.size();
+  snapshots_->Committed(current_.ingest.atlas, current_.ingest.position, outcome.batch.entries.size(), bytes);
+  for (EditAck& ack : outcome.acks) {
+    ack.server_incarnation = incarnation_;
+    output_.acknowledge(ack);
+  }
+  for (AtlasEvent& event : outcome.events) Report(std::move(event));
+}
+
+void AtlasService::AdoptWithoutStore(std::vector<Job>& jobs, const std::string& error) {
+  if (current_.store_error.empty()) {
+    spdlog::error("the store takes nothing: {}; nothing is acknowledged until it does", error);
+    Report({{}, AtlasEventKind::kStoreFailed, error, 0, 0});
+    current_.store_error = error;
+  }
+  std::erase_if(jobs, [](const Job& job) {
+    const auto* arrival = std::get_if<Arrival>(&job);
+    return arrival == nullptr || std::holds_alternative<EnvelopeArrived>(arrival->input);
+  });
+  IngestOutcome outcome = JudgeRound(jobs);
+  unsaved_.clear();
+  for (const SessionRecord& record : outcome.batch.sessions) unsaved_.push_back(record.announcement.session);
+  Adopt(std::move(outcome));
+  PublishState();
+  output_.changed();
+}
+
+std::vector<AtlasService::Clock::time_point> AtlasService::EnvelopeArrivals(const std::vector<Job>& jobs) {
+  std::vector<Clock::time_point> arrivals;
+  for (const Job& job : jobs) {
+    const auto* arrival = std::get_if<Arrival>(&job);
+    if (arrival != nullptr && std::holds_alternative<EnvelopeArrived>(arrival->input)) {
+      arrivals.push_back(arrival->time);
+    }
+  }
+  return arrivals;
+}
+
+bool AtlasService::HasInput(const std::vector<Job>& jobs) {
+  return std::ranges::any_of(jobs, [](const Job& job) { return std::holds_alternative<Arrival>(job); });
+}
+
+void AtlasService::Report(AtlasEvent event) {
+  event.site = site_;
+  event.stamp_ns = UnixNanoseconds();
+  output_.report(event);
+}
+
+void AtlasService::PublishState() { state_.Set(std::make_shared<const ServiceState>(current_)); }
+
+}  // namespace pangaea

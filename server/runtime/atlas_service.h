@@ -1,0 +1,122 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <variant>
+#include <vector>
+
+#include "common/base/bounded_queue.h"
+#include "common/base/published.h"
+#include "common/base/result.h"
+#include "common/wire/atlas_event.h"
+#include "common/wire/edit_ack.h"
+#include "server/ingest/ingest_round.h"
+#include "server/runtime/latency_window.h"
+#include "server/runtime/server_options.h"
+#include "server/runtime/snapshot_thread.h"
+#include "server/storage/recovery.h"
+#include "server/storage/store.h"
+
+namespace pangaea {
+
+// What the atlas thread shows of itself after a round.
+struct ServiceState {
+  IngestState ingest;
+  StoreSize store;
+  // Why the store takes nothing at the moment; empty while it does. Meanwhile nothing is acknowledged.
+  std::string store_error;
+  LatencyWindow acknowledge_ms;  // from the arrival of an envelope to its ack
+  LatencyWindow commit_ms;
+};
+
+// Where the service's results go. Called on the atlas thread; none may wait for long.
+struct ServiceOutput {
+  std::function<void(const EditAck&)> acknowledge;
+  std::function<void(const AtlasEvent&)> report;
+  std::function<void()> changed;           // there is a new state
+  std::function<void(const Error&)> fail;  // the service cannot go on: stop the server
+};
+
+// The atlas of one site with its store: takes what arrives, in any thread, and makes it durable before it answers.
+// The atlas thread alone judges, commits, applies and answers, round by round, which is what makes "acknowledged" mean
+// "durable" and "once" mean once; while it commits one round, the next one gathers in the queue.
+class AtlasService {
+ public:
+  // Opens and recovers the store. Errors as Store::Open and RecoverAtlas.
+  static Result<std::unique_ptr<AtlasService>> Open(const std::filesystem::path& store, const std::string& site,
+                                                    const ServiceOptions& options);
+  ~AtlasService();
+  AtlasService(const AtlasService&) = delete;
+  AtlasService& operator=(const AtlasService&) = delete;
+
+  void Start(ServiceOutput output);
+  // Finishes what was submitted, answers it, and ends the threads.
+  void Stop();
+
+  // Any thread. Waits while the queue is full; what comes after Stop() is dropped (it was never acknowledged).
+  void Submit(IngestInput input);
+  // Any thread, about once a second: the sizes in the state are measured anew, and a full store is tried again.
+  void Tick();
+  // Any thread: changes the store's quota, in order with what was submitted.
+  void SetStoreQuota(std::uint64_t max_bytes);
+
+  std::shared_ptr<const ServiceState> State() const { return state_.Get(); }
+  SnapshotReport LastSnapshot() const { return snapshots_->Report(); }
+  std::size_t queued() const { return queue_.size(); }
+  std::uint64_t incarnation() const { return incarnation_; }
+  const std::string& site() const { return site_; }
+  const ServiceOptions& options() const { return options_; }
+  const std::filesystem::path& store_path() const { return store_.path(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Arrival {
+    IngestInput input;
+    Clock::time_point time;
+  };
+  struct Ticked {};
+  struct NewQuota {
+    std::uint64_t max_bytes = 0;
+  };
+  using Job = std::variant<Arrival, Ticked, NewQuota>;
+
+  AtlasService(Store store, RecoveredAtlas recovered, std::uint64_t incarnation, std::string site,
+               std::unique_ptr<SnapshotThread> snapshots, const ServiceOptions& options);
+  void Run();
+  std::vector<Job> NextJobs(Job first);
+  void RunRound(std::vector<Job> jobs);
+  void LookAfterStore(const std::vector<Job>& jobs);
+  void TryStoreAgain();
+  IngestOutcome JudgeRound(std::vector<Job>& jobs) const;
+  Status Commit(const JournalBatch& batch);
+  void Adopt(IngestOutcome outcome);
+  // The store is full: what needs no store still counts, the envelopes are forgotten (their agents have them).
+  void AdoptWithoutStore(std::vector<Job>& jobs, const std::string& error);
+  void Report(AtlasEvent event);
+  void PublishState();
+  static std::vector<Clock::time_point> EnvelopeArrivals(const std::vector<Job>& jobs);
+  static bool HasInput(const std::vector<Job>& jobs);
+
+  const std::string site_;
+  const ServiceOptions options_;
+  const std::uint64_t incarnation_;
+  BoundedQueue<Job> queue_;
+  Published<ServiceState> state_;
+
+  // Owned by the atlas thread once it runs.
+  Store store_;
+  ServiceState current_;
+  std::vector<SessionId> unsaved_;  // sessions whose records changed while the store was full
+  bool failed_ = false;
+  ServiceOutput output_;
+
+  std::unique_ptr<SnapshotThread> snapshots_;
+  std::thread thread_;
+};
+
+}  // namespace pangaea

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/dds/participant.h"
+#include "common/dds/reader.h"
+#include "common/dds/waiter.h"
+#include "common/dds/writer.h"
+#include "server/ingest/ingest_round.h"
+#include "server/runtime/server_options.h"
+
+namespace pangaea {
+
+// Which participant each living writer belongs to. Used on the link's thread alone.
+class SenderBook {
+ public:
+  Sender Find(const ReaderBase& reader, PublicationHandle publication);
+  // Forgets the writers that `reader` does not match any more, and returns them.
+  std::vector<PublicationHandle> TakeLost(const ReaderBase& reader);
+
+ private:
+  std::map<std::int32_t, std::map<PublicationHandle, std::uint64_t>> participants_;  // by reader
+};
+
+// The server's end of the DDS topics of one site. One thread takes what comes and hands it to `sink`, which may wait.
+class DdsLink {
+ public:
+  using Sink = std::function<void(IngestInput)>;
+  static Result<std::unique_ptr<DdsLink>> Open(const DomainOptions& domain, const std::string& site, Sink sink);
+
+  void Start() { waiter_->Start(); }
+  // No input reaches the sink any more; writing goes on.
+  void Stop() { waiter_->Stop(); }
+
+  // Any thread. What cannot be written is logged: acks are repeated when an agent asks, status and events come again.
+  void Acknowledge(const EditAck& ack) { Write(acks_, ack); }
+  void Report(const AtlasEvent& event) { Write(events_, event); }
+  void Publish(const AtlasStatus& status) { Write(status_, status); }
+
+ private:
+  DdsLink(Domain domain, Participant participant, Reader<SessionAnnouncement> sessions, Reader<Envelope> edits,
+          Writer<EditAck> acks, Writer<AtlasEvent> events, Writer<AtlasStatus> status, Sink sink);
+  Status Connect();
+  template <typename Value>
+  static void Write(Writer<Value>& writer, const Value& value);
+  void SubmitLost(const ReaderBase& reader);
+
+  // In the order of their dependence: destroyed from the last to the first.
+  Domain domain_;
+  Participant participant_;
+  Reader<SessionAnnouncement> sessions_;
+  Reader<Envelope> edits_;
+  Writer<EditAck> acks_;
+  Writer<AtlasEvent> events_;
+  Writer<AtlasStatus> status_;
+  Sink sink_;
+  SenderBook senders_;
+  std::unique_ptr<Waiter> waiter_;
+};
+
+}  // namespace pangaea

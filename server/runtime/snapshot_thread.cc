@@ -1,0 +1,87 @@
+#include "server/runtime/snapshot_thread.h"
+
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+
+#include <chrono>
+#include <utility>
+
+#include "server/runtime/unix_clock.h"
+
+namespace pangaea {
+namespace {
+
+// On Linux this concerns the calling thread alone.
+void TakeLowestPriority() {
+  constexpr int kNicest = 19;
+  (void)setpriority(PRIO_PROCESS, 0, kNicest);
+}
+
+}  // namespace
+
+SnapshotThread::SnapshotThread(SnapshotStore store, const SnapshotTriggers& triggers, std::uint64_t snapshot_position,
+                               std::uint64_t pending)
+    : store_(std::move(store)), triggers_(triggers), pending_envelopes_(pending) {
+  report_.position = snapshot_position;
+}
+
+SnapshotThread::~SnapshotThread() { Stop(); }
+
+void SnapshotThread::Start() {
+  thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
+}
+
+void SnapshotThread::Stop() {
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+void SnapshotThread::Committed(const Atlas& atlas, std::uint64_t position, std::uint64_t envelopes,
+                               std::uint64_t bytes) {
+  MutexLock lock(mutex_);
+  pending_envelopes_ += envelopes;
+  pending_bytes_ += bytes;
+  if (pending_envelopes_ < triggers_.envelopes && pending_bytes_ < triggers_.bytes) return;
+  if (writing_ || order_) return;
+  pending_envelopes_ = pending_bytes_ = 0;
+  order_.emplace(Order{atlas, position});
+  ordered_.notify_one();
+}
+
+SnapshotReport SnapshotThread::Report() const {
+  MutexLock lock(mutex_);
+  return report_;
+}
+
+void SnapshotThread::Run(const std::stop_token& stop) {
+  TakeLowestPriority();
+  while (const auto order = NextOrder(stop)) Write(*order, stop);
+}
+
+std::optional<SnapshotThread::Order> SnapshotThread::NextOrder(const std::stop_token& stop) {
+  MutexLock lock(mutex_);
+  writing_ = false;
+  ordered_.wait(mutex_, stop, [this]() REQUIRES(mutex_) { return order_.has_value(); });
+  if (stop.stop_requested()) return std::nullopt;
+  writing_ = true;
+  return std::exchange(order_, std::nullopt);
+}
+
+void SnapshotThread::Write(const Order& order, const std::stop_token& stop) {
+  const auto begin = std::chrono::steady_clock::now();
+  const Status status = store_.Write(order.atlas, order.position, UnixNanoseconds(), stop);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  if (status) {
+    spdlog::info("snapshot of {} keyframes written in {:.2f} s", order.atlas.keyframe_count(), took.count());
+  } else if (!stop.stop_requested()) {
+    spdlog::warn("no snapshot: {}; the journal goes on growing", status.error().message);
+  }
+  MutexLock lock(mutex_);
+  report_.error = status ? std::string() : status.error().message;
+  if (!status) return;
+  report_.position = order.position;
+  report_.seconds = took.count();
+  ++report_.written;
+}
+
+}  // namespace pangaea

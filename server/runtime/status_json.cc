@@ -1,0 +1,145 @@
+#include "server/runtime/status_json.h"
+
+#include <unistd.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "common/map/digest.h"
+#include "common/wire/envelope.h"
+#include "server/storage/schema.h"
+
+#ifndef PANGAEA_VERSION
+#error "the build defines PANGAEA_VERSION"
+#endif
+
+namespace pangaea {
+namespace {
+
+using nlohmann::json;
+using SessionsOfMaps = std::map<MapId, std::set<SessionId>>;
+
+SessionsOfMaps FindSessionsOfMaps(const Atlas& atlas) {
+  SessionsOfMaps sessions;
+  atlas.ForEachKeyframe([&sessions](const Keyframe& keyframe) { sessions[keyframe.map].insert(keyframe.id.session); });
+  return sessions;
+}
+
+json MapJson(const IngestState& state, const MapInfo& map, const std::set<SessionId>& sessions, DigestCache& digests) {
+  json entry{{"id", ToString(map.id)},
+             {"keyframes", map.keyframes},
+             {"landmarks", map.landmarks},
+             {"closed", map.closed},
+             {"sessions", json::array()}};
+  bool alive = false;
+  std::uint64_t acknowledged = 0;
+  for (const SessionId id : sessions) {
+    entry["sessions"].push_back(ToString(id));
+    const auto session = state.sessions.find(id);
+    if (session == state.sessions.end()) continue;
+    alive = alive || session->second.alive();
+    acknowledged += session->second.record().acknowledged;
+  }
+  if (!alive) entry["digest"] = ToString(digests.OfMap(state.atlas, map.id, acknowledged));
+  return entry;
+}
+
+json MapsJson(const IngestState& state, DigestCache& digests) {
+  const SessionsOfMaps sessions = FindSessionsOfMaps(state.atlas);
+  json maps = json::array();
+  for (const MapId id : state.atlas.Maps()) {
+    const auto of_map = sessions.find(id);
+    maps.push_back(MapJson(state, *state.atlas.FindMap(id),
+                           of_map == sessions.end() ? std::set<SessionId>() : of_map->second, digests));
+  }
+  return maps;
+}
+
+json SessionJson(const IngestState& state, SessionId id, const IngestSession& session, DigestCache& digests) {
+  const SessionRecord& record = session.record();
+  json entry{{"id", ToString(id)},
+             {"name", record.announcement.name},
+             {"alive", session.alive()},
+             {"closed", record.announcement.closed},
+             {"keyframes", state.atlas.keyframe_count(id)},
+             {"landmarks", state.atlas.landmark_count(id)},
+             {"acknowledged", record.acknowledged},
+             {"rejected", record.rejected},
+             {"duplicates", session.duplicates()},
+             {"gaps", session.gaps()},
+             {"foreign", session.foreign()},
+             {"joined_unix_ns", record.joined_unix_ns},
+             {"software", record.announcement.software_version}};
+  if (!session.alive()) entry["digest"] = ToString(digests.OfSession(state.atlas, id, record.acknowledged));
+  return entry;
+}
+
+json SessionsJson(const IngestState& state, DigestCache& digests) {
+  json sessions = json::array();
+  for (const auto& [id, session] : state.sessions) sessions.push_back(SessionJson(state, id, session, digests));
+  return sessions;
+}
+
+json StoreJson(const ServiceState& state, const ServerFacts& facts) {
+  return {{"path", facts.store_path},
+          {"bytes", state.store.bytes},
+          {"journaled_envelopes", state.store.journaled_envelopes},
+          {"writable", state.store_error.empty()},
+          {"error", state.store_error},
+          {"snapshot",
+           {{"position", facts.snapshot.position},
+            {"written", facts.snapshot.written},
+            {"seconds", facts.snapshot.seconds},
+            {"error", facts.snapshot.error}}}};
+}
+
+json TimingJson(const LatencyWindow& window) {
+  constexpr double kMedian = 0.5;
+  constexpr double kHigh = 0.95;
+  return {{"count", window.count()}, {"median_ms", window.Quantile(kMedian)}, {"p95_ms", window.Quantile(kHigh)}};
+}
+
+}  // namespace
+
+std::uint64_t DigestCache::OfSession(const Atlas& atlas, SessionId session, std::uint64_t acknowledged) {
+  const auto [entry, fresh] = sessions_.try_emplace(session);
+  if (fresh || entry->second.first != acknowledged) entry->second = {acknowledged, DigestOfSession(atlas, session)};
+  return entry->second.second;
+}
+
+std::uint64_t DigestCache::OfMap(const Atlas& atlas, MapId map, std::uint64_t acknowledged) {
+  const auto [entry, fresh] = maps_.try_emplace(map);
+  if (fresh || entry->second.first != acknowledged) entry->second = {acknowledged, Digest(atlas, map)};
+  return entry->second.second;
+}
+
+std::string StatusJson(const ServiceState& state, const ServerFacts& facts, DigestCache& digests) {
+  const json status{
+      {"site", facts.site},
+      {"incarnation", facts.incarnation},
+      {"uptime_s", facts.uptime_seconds},
+      {"maps", MapsJson(state.ingest, digests)},
+      {"sessions", SessionsJson(state.ingest, digests)},
+      {"keyframes", state.ingest.atlas.keyframe_count()},
+      {"landmarks", state.ingest.atlas.landmark_count()},
+      {"store", StoreJson(state, facts)},
+      {"queues", {{"ingest", {{"size", facts.queued}, {"capacity", facts.queue_capacity}}}}},
+      {"timings", {{"acknowledge", TimingJson(state.acknowledge_ms)}, {"commit", TimingJson(state.commit_ms)}}},
+      {"refused_messages", state.ingest.refused},
+      {"memory_mib", ResidentMebibytes()},
+      {"versions", {{"server", PANGAEA_VERSION}, {"wire", kWireVersion}, {"store_schema", kStoreSchema}}}};
+  // Names come from the network: whatever is not UTF-8 is replaced, never thrown about.
+  return status.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+double ResidentMebibytes() {
+  std::ifstream statm("/proc/self/statm");
+  double total_pages = 0.0;
+  double resident_pages = 0.0;
+  if (!(statm >> total_pages >> resident_pages)) return 0.0;
+  constexpr double kMebibyte = 1024.0 * 1024.0;
+  return resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / kMebibyte;
+}
+
+}  // namespace pangaea
