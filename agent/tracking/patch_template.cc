@@ -12,6 +12,7 @@ namespace {
 
 bool CutCrop(const cv::Mat& image, const Eigen::Vector2d& center, PatchTemplate::Crop& crop) {
   constexpr int kHalf = PatchTemplate::kCropSize / 2;
+  if (!SamplingFits(image, center.x(), center.y(), 0.0)) return false;  // also what is not a number
   const int left = static_cast<int>(std::floor(center.x())) - kHalf + 1;
   const int top = static_cast<int>(std::floor(center.y())) - kHalf + 1;
   if (left < 0 || top < 0 || left + PatchTemplate::kCropSize > image.cols ||
