@@ -19,6 +19,7 @@ class ScalePyramid {
 
   // A view without the margin; the pixels of the margin lie around it in memory.
   const cv::Mat& octave(int octave) const { return octaves_[static_cast<std::size_t>(octave)]; }
+  const cv::Mat& padded(int octave) const { return padded_[static_cast<std::size_t>(octave)]; }  // with the margin
   int stride() const { return stride_; }  // bytes from row to row, of every octave
   // Full-resolution pixel to the octave's pixel and back. Pixel areas correspond, so centres shift a little.
   cv::Point2f ToOctave(cv::Point2f pixel, int octave) const {
@@ -31,7 +32,8 @@ class ScalePyramid {
   }
 
  private:
-  std::array<cv::Mat, kOctaves> buffers_;     // with margins
+  std::array<cv::Mat, kOctaves> buffers_;
+  std::array<cv::Mat, kOctaves> padded_;      // views into buffers_
   std::array<cv::Mat, kOctaves> octaves_;     // views into buffers_
   std::array<cv::Point2f, kOctaves> ratios_;  // full-resolution pixels per pixel of the octave, along u and v
   int stride_ = 0;
