@@ -18,8 +18,9 @@ class ByteWriter {
   template <typename T>
     requires std::is_arithmetic_v<T>
   void Word(T value) {
-    const auto* bytes = reinterpret_cast<const std::byte*>(&value);
-    bytes_.insert(bytes_.end(), bytes, bytes + sizeof(T));
+    const std::size_t begin = bytes_.size();
+    bytes_.resize(begin + sizeof(T));
+    std::memcpy(bytes_.data() + begin, &value, sizeof(T));
   }
   void Varint(std::uint64_t value);
   // Zigzag: small magnitudes of either sign are short.

@@ -7,6 +7,8 @@ namespace {
 
 // Below this angle (radians) the closed forms lose digits and the series' first terms are exact to double precision.
 constexpr double kSmallAngle = 1e-5;
+// How far the norm of a quaternion that was normalised once may be from one.
+constexpr double kUnitTolerance = 1e-6;
 
 // The left Jacobian of SO(3), which takes the translation part of a twist to the translation of its exponential.
 Eigen::Matrix3d LeftJacobian(const Eigen::Vector3d& rotation_vector) {
@@ -45,6 +47,15 @@ Eigen::Vector3d LogSo3(const Eigen::Quaterniond& rotation) {
 Rigid3d::Rigid3d(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation)
     : rotation_(rotation.normalized()), translation_(translation) {
   if (rotation_.w() < 0.0) rotation_.coeffs() = -rotation_.coeffs();
+}
+
+std::optional<Rigid3d> Rigid3d::FromNormalized(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation) {
+  const bool unit = std::abs(rotation.squaredNorm() - 1.0) <= 2.0 * kUnitTolerance;  // false for NaN
+  if (!unit || !(rotation.w() >= 0.0)) return std::nullopt;
+  Rigid3d rigid;
+  rigid.rotation_ = rotation;
+  rigid.translation_ = translation;
+  return rigid;
 }
 
 Rigid3d Rigid3d::Exp(const Vector6d& twist) {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <optional>
 
 namespace pangaea {
 
@@ -17,6 +18,9 @@ class Rigid3d {
   // `rotation` is normalised here. The quaternion is kept with w >= 0, so that equal motions have equal numbers.
   Rigid3d(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation);
 
+  // The motion of exactly these numbers, to read back one that was written. Nothing unless the rotation is a unit
+  // quaternion (within 1e-6) with w >= 0.
+  static std::optional<Rigid3d> FromNormalized(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation);
   // The exponential map of a twist (translation part first, radians last).
   static Rigid3d Exp(const Vector6d& twist);
   Vector6d Log() const;

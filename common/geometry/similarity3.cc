@@ -9,6 +9,17 @@ Similarity3d::Similarity3d(double scale, const Eigen::Quaterniond& rotation, con
   if (rotation_.w() < 0.0) rotation_.coeffs() = -rotation_.coeffs();
 }
 
+std::optional<Similarity3d> Similarity3d::FromNormalized(double scale, const Eigen::Quaterniond& rotation,
+                                                         const Eigen::Vector3d& translation) {
+  const auto rigid = Rigid3d::FromNormalized(rotation, translation);
+  if (!rigid || !std::isfinite(scale) || !(scale > 0.0)) return std::nullopt;
+  Similarity3d similarity;
+  similarity.scale_ = scale;
+  similarity.rotation_ = rotation;
+  similarity.translation_ = translation;
+  return similarity;
+}
+
 Similarity3d Similarity3d::Inverse() const {
   const Eigen::Quaterniond inverse = rotation_.conjugate();
   return Similarity3d(1.0 / scale_, inverse, -(inverse * translation_) / scale_);
@@ -21,8 +32,7 @@ Similarity3d Similarity3d::operator*(const Similarity3d& other) const {
 
 Rigid3d Similarity3d::TransformCamera(const Rigid3d& camera_from_source) const {
   const Eigen::Quaterniond camera_from_target = camera_from_source.rotation() * rotation_.conjugate();
-  return Rigid3d(camera_from_target,
-                 scale_ * camera_from_source.translation() - camera_from_target * translation_);
+  return Rigid3d(camera_from_target, scale_ * camera_from_source.translation() - camera_from_target * translation_);
 }
 
 bool Similarity3d::AllFinite() const {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "common/geometry/rigid3.h"
 
 namespace pangaea {
@@ -12,6 +14,10 @@ class Similarity3d {
   Similarity3d() = default;
   Similarity3d(double scale, const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation);
   explicit Similarity3d(const Rigid3d& rigid) : Similarity3d(1.0, rigid.rotation(), rigid.translation()) {}
+  // The similarity of exactly these numbers; nothing unless the rotation is one for Rigid3d::FromNormalized and the
+  // scale is positive and finite.
+  static std::optional<Similarity3d> FromNormalized(double scale, const Eigen::Quaterniond& rotation,
+                                                    const Eigen::Vector3d& translation);
 
   double scale() const { return scale_; }
   const Eigen::Quaterniond& rotation() const { return rotation_; }
@@ -19,9 +25,7 @@ class Similarity3d {
 
   Similarity3d Inverse() const;
   Similarity3d operator*(const Similarity3d& other) const;
-  Eigen::Vector3d operator*(const Eigen::Vector3d& point) const {
-    return scale_ * (rotation_ * point) + translation_;
-  }
+  Eigen::Vector3d operator*(const Eigen::Vector3d& point) const { return scale_ * (rotation_ * point) + translation_; }
   // How a camera moves with its map: camera_from_source, lengths in source units, becomes camera_from_target, lengths
   // in target units; *this is target_from_source.
   Rigid3d TransformCamera(const Rigid3d& camera_from_source) const;

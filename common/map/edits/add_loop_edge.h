@@ -8,7 +8,8 @@
 
 namespace pangaea {
 
-// A measured motion between two keyframes of one map. Dropped where either is culled.
+// A measured motion between two keyframes of one map. A culled end is replaced by its nearest living
+// ancestor; dropped where that leaves a keyframe with itself.
 struct AddLoopEdge {
   static constexpr std::uint8_t kTag = 11;
   static constexpr std::uint8_t kVersion = 1;

@@ -1,0 +1,207 @@
+#include "common/map/atlas_editor.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/base/check.h"
+
+namespace pangaea {
+namespace {
+
+void ChangeWeight(std::vector<Covisibility>& covisible, KeyframeId other, int change) {
+  auto edge = std::lower_bound(covisible.begin(), covisible.end(), other,
+                               [](const Covisibility& c, KeyframeId id) { return c.keyframe < id; });
+  if (edge == covisible.end() || edge->keyframe != other) edge = covisible.insert(edge, {other, 0});
+  edge->weight = static_cast<std::uint32_t>(static_cast<std::int64_t>(edge->weight) + change);
+  if (edge->weight == 0) covisible.erase(edge);
+}
+
+auto FindObservation(std::vector<Observation>& observations, KeyframeId keyframe) {
+  return std::lower_bound(observations.begin(), observations.end(), keyframe,
+                          [](const Observation& o, KeyframeId id) { return o.keyframe < id; });
+}
+
+bool StampOrder(const FramePose& a, const FramePose& b) {
+  return std::pair(a.stamp_ns, a.session) < std::pair(b.stamp_ns, b.session);
+}
+
+template <typename Count>
+void Change(Count& count, int change) {
+  count = static_cast<Count>(static_cast<std::int64_t>(count) + change);
+}
+
+}  // namespace
+
+Atlas::Part& AtlasEditor::WritePart(SessionId session) {
+  auto& parts = atlas_.parts_;
+  auto part = std::lower_bound(parts.begin(), parts.end(), session,
+                               [](const Atlas::Part& p, SessionId id) { return p.session < id; });
+  if (part == parts.end() || part->session != session) {
+    part = parts.emplace(part);
+    part->session = session;
+  }
+  return *part;
+}
+
+Atlas::KeyframeSlot& AtlasEditor::WriteSlot(KeyframeId id) {
+  return WritePart(id.session).keyframes.Write(id.counter, atlas_.mark_);
+}
+
+Atlas::LandmarkSlot& AtlasEditor::WriteSlot(LandmarkId id) {
+  return WritePart(id.session).landmarks.Write(id.counter, atlas_.mark_);
+}
+
+Keyframe& AtlasEditor::WriteKeyframe(KeyframeId id) {
+  auto* keyframe = std::get_if<CopyOnWrite<Keyframe>>(&WriteSlot(id));
+  PANGAEA_CHECK(keyframe != nullptr);
+  return keyframe->Write(atlas_.mark_);
+}
+
+Landmark& AtlasEditor::WriteLandmark(LandmarkId id) {
+  auto* landmark = std::get_if<Landmark>(&WriteSlot(id));
+  PANGAEA_CHECK(landmark != nullptr);
+  return *landmark;
+}
+
+MapInfo& AtlasEditor::WriteMap(MapId id) { return atlas_.maps_.Write(atlas_.mark_).living.at(id); }
+
+void AtlasEditor::CountKeyframe(const Keyframe& keyframe, int change) {
+  Change(WriteMap(keyframe.map).keyframes, change);
+  Change(WritePart(keyframe.id.session).keyframe_count, change);
+  Change(atlas_.keyframe_count_, change);
+}
+
+void AtlasEditor::CountLandmark(LandmarkId id, MapId map, int change) {
+  Change(WriteMap(map).landmarks, change);
+  Change(WritePart(id.session).landmark_count, change);
+  Change(atlas_.landmark_count_, change);
+}
+
+void AtlasEditor::InsertKeyframe(Keyframe keyframe) {
+  const KeyframeId id = keyframe.id;
+  const KeyframeId parent = std::exchange(keyframe.parent, KeyframeId{});
+  if (!parent.valid()) {
+    MapInfo info;
+    info.id = keyframe.map;
+    info.root = id;
+    atlas_.maps_.Write(atlas_.mark_).living.emplace(info.id, info);
+  }
+  CountKeyframe(keyframe, +1);
+  CopyOnWrite<Keyframe> node;
+  node.Write(atlas_.mark_) = std::move(keyframe);
+  WriteSlot(id) = std::move(node);
+  if (parent.valid()) SetParent(id, parent);
+}
+
+void AtlasEditor::InsertLandmark(LandmarkId id, const Eigen::Vector3d& point_in_map, KeyframeId reference,
+                                 std::uint32_t keypoint) {
+  WriteSlot(id) = Landmark{id, point_in_map, reference, {}};
+  CountLandmark(id, atlas_.FindKeyframe(reference)->map, +1);
+  Observe(id, reference, keypoint);
+}
+
+void AtlasEditor::ChangeCovisibility(KeyframeId a, KeyframeId b, int change) {
+  ChangeWeight(WriteKeyframe(a).covisible, b, change);
+  ChangeWeight(WriteKeyframe(b).covisible, a, change);
+}
+
+void AtlasEditor::Observe(LandmarkId landmark, KeyframeId keyframe, std::uint32_t keypoint) {
+  auto& observations = WriteLandmark(landmark).observations;
+  for (const Observation& other : observations) ChangeCovisibility(keyframe, other.keyframe, +1);
+  observations.insert(FindObservation(observations, keyframe), {keyframe, keypoint});
+  WriteKeyframe(keyframe).landmarks.at(keypoint) = landmark;
+}
+
+void AtlasEditor::Unobserve(LandmarkId landmark, KeyframeId keyframe) {
+  Landmark& from = WriteLandmark(landmark);
+  const auto observation = FindObservation(from.observations, keyframe);
+  PANGAEA_CHECK(observation != from.observations.end() && observation->keyframe == keyframe);
+  Keyframe& observer = WriteKeyframe(keyframe);
+  observer.landmarks.at(observation->keypoint) = {};
+  from.observations.erase(observation);
+  for (const Observation& other : from.observations) ChangeCovisibility(keyframe, other.keyframe, -1);
+  if (from.observations.empty()) return EraseLandmark(landmark, observer.map);
+  if (from.reference == keyframe) from.reference = from.observations.front().keyframe;
+}
+
+void AtlasEditor::EraseLandmark(LandmarkId id, MapId map) {
+  WriteSlot(id) = Atlas::Gone{};
+  CountLandmark(id, map, -1);
+}
+
+void AtlasEditor::RemoveLandmark(LandmarkId id) {
+  const std::vector<Observation> observations = atlas_.FindLandmark(id)->observations;
+  for (const Observation& observation : observations) Unobserve(id, observation.keyframe);
+}
+
+void AtlasEditor::ForwardLandmark(LandmarkId id, LandmarkId absorber) { WriteSlot(id) = absorber; }
+
+void AtlasEditor::ForgetLandmark(LandmarkId id) { WriteSlot(id) = Atlas::Gone{}; }
+
+void AtlasEditor::SetParent(KeyframeId id, KeyframeId parent) {
+  const KeyframeId old_parent = std::exchange(WriteKeyframe(id).parent, parent);
+  if (old_parent.valid()) std::erase(WriteKeyframe(old_parent).children, id);
+  if (!parent.valid()) return;
+  auto& children = WriteKeyframe(parent).children;
+  children.insert(std::lower_bound(children.begin(), children.end(), id), id);
+}
+
+void AtlasEditor::RemoveKeyframe(KeyframeId id) {
+  const Keyframe& keyframe = WriteKeyframe(id);
+  const MapId map = keyframe.map;
+  CountKeyframe(keyframe, -1);
+  if (!keyframe.parent.valid()) {
+    atlas_.maps_.Write(atlas_.mark_).living.erase(map);
+    return WriteFormerKeyframe(id, nullptr);
+  }
+  const Keyframe& parent = *atlas_.FindKeyframe(keyframe.parent);
+  const CulledKeyframe culled{keyframe.parent, parent.camera_from_map * keyframe.camera_from_map.Inverse()};
+  RehangLoopEdges(id, culled);
+  SetParent(id, {});
+  WriteFormerKeyframe(id, &culled);
+}
+
+void AtlasEditor::RehangLoopEdges(KeyframeId id, const CulledKeyframe& culled) {
+  const auto touches = [&](const LoopEdge& edge) { return edge.from == id || edge.to == id; };
+  const auto& present = atlas_.loop_edges();
+  if (std::none_of(present.begin(), present.end(), touches)) return;
+  const Similarity3d parent_from_culled(culled.parent_from_culled);
+  for (LoopEdge& edge : WriteLoopEdges()) {
+    if (edge.from == id) edge = {culled.parent, edge.to, edge.to_from_from * parent_from_culled.Inverse()};
+    if (edge.to == id) edge = {edge.from, culled.parent, parent_from_culled * edge.to_from_from};
+  }
+  std::erase_if(WriteLoopEdges(), [](const LoopEdge& edge) { return edge.from == edge.to; });
+}
+
+void AtlasEditor::WriteFormerKeyframe(KeyframeId id, const CulledKeyframe* culled) {
+  if (culled != nullptr) {
+    WriteSlot(id) = *culled;
+  } else {
+    WriteSlot(id) = Atlas::Gone{};
+  }
+}
+
+void AtlasEditor::InsertFrames(KeyframeId id, std::span<const FramePose> frames) {
+  Keyframe& keyframe = WriteKeyframe(id);
+  auto all = keyframe.frames ? std::make_shared<std::vector<FramePose>>(*keyframe.frames)
+                             : std::make_shared<std::vector<FramePose>>();
+  for (const FramePose& frame : frames) {
+    const auto place = std::lower_bound(all->begin(), all->end(), frame, StampOrder);
+    if (place != all->end() && !StampOrder(frame, *place)) {
+      *place = frame;
+    } else {
+      all->insert(place, frame);
+    }
+  }
+  keyframe.frames = std::move(all);
+}
+
+void AtlasEditor::ForwardMap(MapId absorbed, MapId survivor) {
+  auto& maps = atlas_.maps_.Write(atlas_.mark_);
+  maps.living.erase(absorbed);
+  maps.merged[absorbed] = survivor;
+}
+
+std::vector<LoopEdge>& AtlasEditor::WriteLoopEdges() { return atlas_.loop_edges_.Write(atlas_.mark_); }
+
+}  // namespace pangaea

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <span>
+
+#include "common/map/atlas.h"
+#include "common/map/map_edit.h"
+
+namespace pangaea {
+
+// The only door through which an atlas changes; Apply and DecodeAtlas alone can open it. Each operation keeps both
+// sides of the relations it touches in step and expects what it names to be alive: validate first.
+class AtlasEditor {
+ public:
+  const Atlas& atlas() const { return atlas_; }
+
+  // Ids alive only. The references are valid until the next operation.
+  Keyframe& WriteKeyframe(KeyframeId id);
+  Landmark& WriteLandmark(LandmarkId id);
+  MapInfo& WriteMap(MapId id);
+
+  // Enters a keyframe that observes nothing and has no children into its parent's children and its map's count. One
+  // without a parent makes its map.
+  void InsertKeyframe(Keyframe keyframe);
+  void InsertLandmark(LandmarkId id, const Eigen::Vector3d& point_in_map, KeyframeId reference, std::uint32_t keypoint);
+  // Links the two and counts the landmark in the keyframe's covisibility with its other observers.
+  void Observe(LandmarkId landmark, KeyframeId keyframe, std::uint32_t keypoint);
+  // The reverse. The last observation takes the landmark with it; a reference that goes is replaced by the observer of
+  // the lowest id.
+  void Unobserve(LandmarkId landmark, KeyframeId keyframe);
+  void RemoveLandmark(LandmarkId id);
+  void ForwardLandmark(LandmarkId id, LandmarkId absorber);  // of one that is gone
+  void ForgetLandmark(LandmarkId id);                        // of one that never was: from now on it is gone
+
+  // Hangs a keyframe below another, or below none.
+  void SetParent(KeyframeId id, KeyframeId parent);
+  // Takes out a keyframe that observes nothing and has no children; it forwards to its parent, and its loop
+  // edges with it. The last of a map takes the map with it and is gone.
+  void RemoveKeyframe(KeyframeId id);
+  void WriteFormerKeyframe(KeyframeId id, const CulledKeyframe* culled);  // nullptr: gone
+  void InsertFrames(KeyframeId id, std::span<const FramePose> frames);    // later ones replace earlier of their stamp
+  void ForwardMap(MapId absorbed, MapId survivor);                        // takes `absorbed` from the living
+  std::vector<LoopEdge>& WriteLoopEdges();
+  void SetVersion(std::uint64_t version) { atlas_.version_ = version; }
+
+ private:
+  explicit AtlasEditor(Atlas& atlas) : atlas_(atlas) {}
+  friend Status Apply(const MapEdit& edit, Atlas& atlas);
+  friend class AtlasDecoder;
+
+  Atlas::Part& WritePart(SessionId session);
+  Atlas::KeyframeSlot& WriteSlot(KeyframeId id);
+  Atlas::LandmarkSlot& WriteSlot(LandmarkId id);
+  void CountKeyframe(const Keyframe& keyframe, int change);
+  void CountLandmark(LandmarkId id, MapId map, int change);
+  void EraseLandmark(LandmarkId id, MapId map);
+  void RehangLoopEdges(KeyframeId id, const CulledKeyframe& culled);
+  void ChangeCovisibility(KeyframeId a, KeyframeId b, int change);
+
+  Atlas& atlas_;
+};
+
+}  // namespace pangaea

@@ -1,0 +1,74 @@
+#include "common/map/digest.h"
+
+#include <cmath>
+
+#include "common/base/bytes.h"
+#include "common/base/hash.h"
+
+namespace pangaea {
+namespace {
+
+constexpr double kLengthQuantum = 1e-4;    // 0.1 mm
+constexpr double kRotationQuantum = 1e-5;  // of a direction cosine
+
+class DigestWriter {
+ public:
+  void Add(const Keyframe& keyframe) {
+    AddId(keyframe.id);
+    AddId(keyframe.map);
+    const Rigid3d map_from_camera = keyframe.camera_from_map.Inverse();
+    AddQuantized(map_from_camera.translation(), kLengthQuantum);
+    // Two columns determine the third. Unlike the quaternion they do not jump at half a turn.
+    const Eigen::Matrix3d rotation = map_from_camera.rotation().toRotationMatrix();
+    AddQuantized(rotation.col(0), kRotationQuantum);
+    AddQuantized(rotation.col(1), kRotationQuantum);
+  }
+
+  void Add(const Landmark& landmark) {
+    AddId(landmark.id);
+    AddQuantized(landmark.point_in_map, kLengthQuantum);
+    bytes_.Word(static_cast<std::uint64_t>(landmark.observations.size()));
+    for (const Observation& observation : landmark.observations) {
+      AddId(observation.keyframe);
+      bytes_.Word(observation.keypoint);
+    }
+  }
+
+  std::uint64_t Finish() const { return Hash64(bytes_.bytes()); }
+
+ private:
+  template <typename Tag>
+  void AddId(const Id<Tag>& id) {
+    bytes_.Word(id.session);
+    bytes_.Word(id.counter);
+  }
+  void AddQuantized(const Eigen::Vector3d& vector, double quantum) {
+    for (const double value : {vector.x(), vector.y(), vector.z()}) {
+      bytes_.Word(static_cast<std::int64_t>(std::llround(value / quantum)));
+    }
+  }
+
+  ByteWriter bytes_;
+};
+
+}  // namespace
+
+std::uint64_t Digest(const Atlas& atlas, std::optional<MapId> map) {
+  DigestWriter digest;
+  atlas.ForEachKeyframe([&](const Keyframe& keyframe) {
+    if (!map || keyframe.map == *map) digest.Add(keyframe);
+  });
+  atlas.ForEachLandmark([&](const Landmark& landmark) {
+    if (!map || atlas.MapOf(landmark) == *map) digest.Add(landmark);
+  });
+  return digest.Finish();
+}
+
+std::uint64_t DigestOfSession(const Atlas& atlas, SessionId session) {
+  DigestWriter digest;
+  atlas.ForEachKeyframe(session, [&](const Keyframe& keyframe) { digest.Add(keyframe); });
+  atlas.ForEachLandmark(session, [&](const Landmark& landmark) { digest.Add(landmark); });
+  return digest.Finish();
+}
+
+}  // namespace pangaea

@@ -1,0 +1,81 @@
+#include "common/map/edits/add_keyframe.h"
+
+#include "common/map/atlas_codec.h"
+#include "common/map/atlas_editor.h"
+#include "common/map/map_bytes.h"
+#include "common/map/validation.h"
+
+namespace pangaea {
+namespace {
+
+Status ValidateRoot(const AddKeyframe& edit, const Atlas& atlas) {
+  if (auto status = CheckNewId(edit.map); !status) return status;
+  if (atlas.FindMap(edit.map) == nullptr && !atlas.merged_maps().contains(edit.map)) return {};
+  return Fail(ErrorCode::kRefused, "keyframe " + ToString(edit.id) + " has no parent in a map that has a root");
+}
+
+Status ValidateChild(const AddKeyframe& edit, const Atlas& atlas) {
+  const KeyframeId parent = atlas.Resolve(edit.parent);
+  if (!parent.valid()) {
+    return Fail(ErrorCode::kNotFound, "keyframe " + ToString(edit.id) + ": unknown parent " + ToString(edit.parent));
+  }
+  const MapId map = atlas.FindKeyframe(parent)->map;
+  if (map != atlas.Resolve(edit.map)) {
+    return Fail(ErrorCode::kRefused, "keyframe " + ToString(edit.id) + ": its parent is in another map");
+  }
+  if (!atlas.FindMap(map)->closed) return {};
+  return Fail(ErrorCode::kRefused, "keyframe " + ToString(edit.id) + ": map " + ToString(map) + " is closed");
+}
+
+}  // namespace
+
+Status Validate(const AddKeyframe& edit, const Atlas& atlas) {
+  if (auto status = CheckNewId(edit.id); !status) return status;
+  if (atlas.Knows(edit.id)) return Fail(ErrorCode::kRefused, "keyframe " + ToString(edit.id) + " is here already");
+  if (edit.data == nullptr) return Fail(ErrorCode::kInvalidArgument, "keyframe " + ToString(edit.id) + " has no data");
+  if (auto status = CheckPose(edit.camera_from_parent); !status) return status;
+  if (auto status = CheckKeyframeData(*edit.data); !status) return status;
+  return edit.parent.valid() ? ValidateChild(edit, atlas) : ValidateRoot(edit, atlas);
+}
+
+void ApplyValid(const AddKeyframe& edit, AtlasEditor& editor) {
+  Keyframe keyframe;
+  keyframe.id = edit.id;
+  keyframe.map = edit.map;
+  keyframe.data = edit.data;
+  keyframe.landmarks.resize(edit.data->features.keypoints.size());
+  keyframe.camera_from_map = edit.camera_from_parent;
+  if (const auto parent = editor.atlas().ResolvePose(edit.parent)) {
+    const bool culled = parent->keyframe->id != edit.parent;
+    const Rigid3d camera_from_parent =
+        culled ? edit.camera_from_parent * parent->keyframe_from_asked.Inverse() : edit.camera_from_parent;
+    keyframe.map = parent->keyframe->map;
+    keyframe.parent = parent->keyframe->id;
+    keyframe.camera_from_map = camera_from_parent * parent->keyframe->camera_from_map;
+  }
+  editor.InsertKeyframe(std::move(keyframe));
+}
+
+// With a parent, the map is a reference: after a merge it may be another session's.
+bool TouchesOnly(const AddKeyframe& edit, SessionId session) {
+  return edit.id.session == session && (edit.parent.valid() || edit.map.session == session);
+}
+
+void Encode(const AddKeyframe& edit, MapWriter& writer) {
+  writer.WriteId(edit.id);
+  writer.WriteId(edit.map);
+  writer.WriteId(edit.parent);
+  writer.WriteRigid(edit.camera_from_parent);
+  EncodeKeyframeData(edit.data ? *edit.data : KeyframeData{}, writer.bytes());
+}
+
+void Decode(MapReader& reader, std::uint8_t, AddKeyframe& edit) {
+  edit.id = reader.ReadId<KeyframeTag>();
+  edit.map = reader.ReadId<MapTag>();
+  edit.parent = reader.ReadId<KeyframeTag>();
+  edit.camera_from_parent = reader.ReadRigid();
+  auto data = DecodeKeyframeData(reader.bytes());
+  if (data) edit.data = std::move(*data);
+}
+
+}  // namespace pangaea

@@ -1,0 +1,53 @@
+#include "common/map/edits/remove_keyframe.h"
+
+#include "common/map/atlas_editor.h"
+#include "common/map/map_bytes.h"
+#include "common/map/validation.h"
+
+namespace pangaea {
+namespace {
+
+void DropObservations(KeyframeId id, AtlasEditor& editor) {
+  const std::vector<LandmarkId> landmarks = editor.atlas().FindKeyframe(id)->landmarks;
+  for (const LandmarkId landmark : landmarks) {
+    if (landmark.valid()) editor.Unobserve(landmark, id);
+  }
+}
+
+// Its frames, and the frame that it is itself, relative to what it forwards to.
+void HandFramesOn(const Keyframe& culled, AtlasEditor& editor) {
+  const auto parent = editor.atlas().ResolvePose(culled.id);
+  if (!parent) return;
+  std::vector<FramePose> frames = {{culled.data->stamp_ns, Rigid3d(), culled.id.session}};
+  if (culled.frames) frames.insert(frames.end(), culled.frames->begin(), culled.frames->end());
+  for (FramePose& frame : frames) {
+    frame.reference_from_frame = parent->keyframe_from_asked * frame.reference_from_frame;
+  }
+  editor.InsertFrames(parent->keyframe->id, frames);
+}
+
+}  // namespace
+
+Status Validate(const RemoveKeyframe& edit, const Atlas& atlas) {
+  if (auto status = CheckKnown(atlas, edit.id); !status) return status;
+  const Keyframe* keyframe = atlas.FindKeyframe(edit.id);
+  if (keyframe == nullptr || keyframe->parent.valid() || keyframe->children.empty()) return {};
+  return Fail(ErrorCode::kRefused, "keyframe " + ToString(edit.id) + " is the root of a map that has others");
+}
+
+void ApplyValid(const RemoveKeyframe& edit, AtlasEditor& editor) {
+  if (editor.atlas().FindKeyframe(edit.id) == nullptr) return;
+  DropObservations(edit.id, editor);
+  const Keyframe culled = *editor.atlas().FindKeyframe(edit.id);
+  for (const KeyframeId child : culled.children) editor.SetParent(child, culled.parent);
+  editor.RemoveKeyframe(edit.id);
+  HandFramesOn(culled, editor);
+}
+
+bool TouchesOnly(const RemoveKeyframe& edit, SessionId session) { return edit.id.session == session; }
+
+void Encode(const RemoveKeyframe& edit, MapWriter& writer) { writer.WriteId(edit.id); }
+
+void Decode(MapReader& reader, std::uint8_t, RemoveKeyframe& edit) { edit.id = reader.ReadId<KeyframeTag>(); }
+
+}  // namespace pangaea
