@@ -40,7 +40,8 @@ class RetainedEdits {
   using Time = std::chrono::steady_clock::time_point;
 
   // `spill` may be null: then memory is not bounded. It outlives this object.
-  RetainedEdits(const RetainedEditsOptions& options, SpillSink* spill) : options_(options), spill_(spill) {}
+  RetainedEdits(const RetainedEditsOptions& options, SpillSink* spill)
+      : options_(options), spill_(spill), timeout_(options.first_timeout) {}
 
   // The sequence the next retained envelope must have: 1, 2, 3 …
   std::uint64_t next_sequence() const { return last_ + 1; }
@@ -50,12 +51,12 @@ class RetainedEdits {
   // The envelope to send next; none while the window is full, everything was sent, or there is no server. An error:
   // the spill sink lost it. Call OnSent when it went out.
   Result<std::optional<Envelope>> NextToSend();
-  void OnSent(const Envelope& envelope, Time now);
+  void OnSent(std::uint64_t sequence, Time now);
 
-  // Rejections of this ack that are new, in order: the same sequence is reported once.
+  // Takes the ack of any server, however late. Returns its rejections that are new, ascending: each is reported once.
   std::vector<Rejection> OnAck(const EditAck& ack, Time now);
   // A server came (back) or went. Nothing is sent while there is none; when one comes, all after the last ack.
-  void OnServerPresent(bool present, Time now);
+  void OnServerPresent(bool present);
   // Goes back to the last ack if the deadline passed. Returns whether it did.
   bool OnTime(Time now);
   // When OnTime should be called next; none while nothing is in flight.
@@ -74,8 +75,8 @@ class RetainedEdits {
     std::optional<Envelope> envelope;  // none: in the spill sink
   };
 
-  void GoBack(Time now);
-  const Slot* FindSlot(std::uint64_t sequence) const;
+  void GoBack();
+  Slot& SlotOf(std::uint64_t sequence);  // of a sequence not acknowledged
 
   RetainedEditsOptions options_;
   SpillSink* spill_;
@@ -89,7 +90,7 @@ class RetainedEdits {
   std::size_t in_flight_ = 0;
   std::size_t memory_bytes_ = 0;
   bool server_present_ = false;
-  std::chrono::milliseconds timeout_{0};
+  std::chrono::milliseconds timeout_;
   std::optional<Time> deadline_;
 };
 

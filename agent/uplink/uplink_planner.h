@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "agent/uplink/mirror_update.h"
+#include "agent/uplink/settling.h"
 #include "common/base/result.h"
 #include "common/map/atlas.h"
 #include "common/map/edits/edits.h"
@@ -13,17 +15,12 @@
 namespace pangaea {
 
 struct UplinkPlannerOptions {
-  // A keyframe this old (by image stamps) is settled whatever happens: place recognition would starve without it.
-  double max_unsettled_seconds = 5.0;
-  // The newest keyframes are never settled before that age: local mapping still triangulates with them.
-  int window_keyframes = 3;
-  // An older keyframe that shares at least this many landmarks with the newest is still in the local window.
-  int window_covisibility = 15;
+  SettlingOptions settling;
   // A keyframe that moved less than both is not sent again before the flush: below what the images can tell.
   double keyframe_move_m = 0.001;
   double keyframe_turn_deg = 0.05;
   // A landmark that moved less than the larger of both is not sent again before the flush. The fraction is of its
-  // distance to its reference keyframe: 0.002 is about a pixel's width at a focal length of 450 pixels.
+  // distance to its reference keyframe: 0.002 is about a pixel at a focal length of 450 pixels.
   double landmark_move_m = 0.001;
   double landmark_move_fraction = 0.002;
 
@@ -39,7 +36,7 @@ enum class PlanKind {
 struct UplinkPlan {
   std::vector<MapEdit> edits;  // for the server, in order
   // For the agent's own atlas, after a flush alone and then nearly always empty: moves numbers that lie within
-  // rounding of a boundary of the digest's grid, so that both sides quantise them alike. `edits` hold the same.
+  // rounding of a boundary of the digest's grid, so that both sides quantise them alike. `edits` do the same there.
   std::vector<MapEdit> own_edits;
 };
 
@@ -54,10 +51,27 @@ class UplinkPlanner {
   UplinkPlan Plan(const Atlas& snapshot, std::span<const MapEdit> applied_since, PlanKind kind);
 
   const Atlas& mirror() const { return mirror_; }
+  // The server turned out to have this instead: envelopes were rejected. The next plan sends what differs.
+  void AdoptMirror(Atlas mirror);
 
  private:
+  void Mark(const Atlas& snapshot, const MapEdit& edit);
+  void MarkEverything(const Atlas& snapshot);
+  void MarkLandmarksOf(const Atlas& snapshot, std::span<const KeyframeId> keyframes);
+  std::vector<KeyframeId> Settled(const Atlas& snapshot, PlanKind kind) const;
+  MoveThresholds Thresholds(PlanKind kind) const;
+
   UplinkPlannerOptions options_;
   Atlas mirror_;
+  bool everything_is_new_ = false;
+  std::int64_t newest_stamp_ns_ = 0;
+  // What the agent touched and the mirror may not have followed yet.
+  std::set<KeyframeId> unsent_;
+  std::set<KeyframeId> culled_;
+  std::set<KeyframeId> moved_keyframes_;
+  std::set<KeyframeId> keyframes_with_frames_;
+  std::set<LandmarkId> landmarks_;
+  std::set<LandmarkId> moved_landmarks_;
 };
 
 }  // namespace pangaea

@@ -1,0 +1,105 @@
+// How MirrorUpdate makes landmarks and their observations follow.
+#include <algorithm>
+
+#include "agent/uplink/mirror_update.h"
+
+namespace pangaea {
+namespace {
+
+const Observation* ObservationAt(const Landmark& landmark, KeyframeId keyframe) {
+  const auto found = std::find_if(landmark.observations.begin(), landmark.observations.end(),
+                                  [&](const Observation& o) { return o.keyframe == keyframe; });
+  return found == landmark.observations.end() ? nullptr : &*found;
+}
+
+bool Holds(const Landmark& landmark, const Observation& observation) {
+  return std::find(landmark.observations.begin(), landmark.observations.end(), observation) !=
+         landmark.observations.end();
+}
+
+}  // namespace
+
+void MirrorUpdate::MatchLandmarks(std::set<LandmarkId>& landmarks) {
+  std::set<LandmarkId> waiting;
+  while (!landmarks.empty()) {
+    const LandmarkId id = *landmarks.begin();
+    landmarks.erase(landmarks.begin());
+    const bool done = agent_.FindLandmark(id) != nullptr ? MatchLandmark(id, landmarks) : MatchVanished(id, landmarks);
+    if (!done) waiting.insert(id);
+  }
+  landmarks = std::move(waiting);
+}
+
+// Removes the landmark, or fuses it into what absorbed it. False while that is not sent.
+bool MirrorUpdate::MatchVanished(LandmarkId id, std::set<LandmarkId>& landmarks) {
+  if (mirror_.FindLandmark(id) == nullptr) return true;
+  const LandmarkId kept = agent_.Resolve(id);
+  if (!kept.valid()) {
+    Emit(RemoveLandmark{id});
+    return true;
+  }
+  if (mirror_.FindLandmark(kept) == nullptr) {
+    const Landmark& wanted = *agent_.FindLandmark(kept);
+    if (mirror_.FindKeyframe(wanted.reference) == nullptr) return false;
+    AddLandmarkItself(wanted, landmarks);
+  }
+  landmarks.insert(kept);
+  // Freeing the keypoint for the absorber may have taken the last observation already.
+  if (mirror_.FindLandmark(id) != nullptr && mirror_.FindLandmark(kept) != nullptr) Emit(FuseLandmarks{kept, id});
+  return true;
+}
+
+// False while the reference keyframe is not sent.
+bool MirrorUpdate::MatchLandmark(LandmarkId id, std::set<LandmarkId>& landmarks) {
+  const Landmark& wanted = *agent_.FindLandmark(id);
+  const bool has_reference = mirror_.FindKeyframe(wanted.reference) != nullptr;
+  if (mirror_.FindLandmark(id) != nullptr) RemoveWrongObservations(wanted);
+  if (mirror_.FindLandmark(id) == nullptr) {
+    if (!has_reference) return false;
+    if (!AddLandmarkItself(wanted, landmarks)) return true;
+  }
+  AddMissingObservations(wanted, landmarks);
+  if (!has_reference) return false;
+  if (ObservationAt(*mirror_.FindLandmark(id), wanted.reference) == nullptr) return true;
+  // Taking the reference's observation away passes the reference on to another: until it is the wanted one.
+  while (mirror_.FindLandmark(id)->reference != wanted.reference) {
+    Emit(RemoveObservation{id, mirror_.FindLandmark(id)->reference});
+  }
+  AddMissingObservations(wanted, landmarks);
+  return true;
+}
+
+void MirrorUpdate::RemoveWrongObservations(const Landmark& wanted) {
+  const std::vector<Observation> present = mirror_.FindLandmark(wanted.id)->observations;
+  for (const Observation& observation : present) {
+    if (!Holds(wanted, observation)) Emit(RemoveObservation{wanted.id, observation.keyframe});
+  }
+}
+
+bool MirrorUpdate::AddLandmarkItself(const Landmark& wanted, std::set<LandmarkId>& landmarks) {
+  const std::uint32_t keypoint = ObservationAt(wanted, wanted.reference)->keypoint;
+  FreeKeypoint(wanted.reference, keypoint, wanted.id, landmarks);
+  const Eigen::Vector3d point_in_reference =
+      mirror_.FindKeyframe(wanted.reference)->camera_from_map * wanted.point_in_map;
+  return Emit(AddLandmark{wanted.id, wanted.reference, keypoint, point_in_reference});
+}
+
+void MirrorUpdate::AddMissingObservations(const Landmark& wanted, std::set<LandmarkId>& landmarks) {
+  for (const Observation& observation : wanted.observations) {
+    if (mirror_.FindKeyframe(observation.keyframe) == nullptr) continue;
+    if (ObservationAt(*mirror_.FindLandmark(wanted.id), observation.keyframe) != nullptr) continue;
+    FreeKeypoint(observation.keyframe, observation.keypoint, wanted.id, landmarks);
+    Emit(AddObservation{wanted.id, observation.keyframe, observation.keypoint});
+  }
+}
+
+// What observes the keypoint in the mirror does not in the agent's atlas, where `wanted` does.
+void MirrorUpdate::FreeKeypoint(KeyframeId keyframe, std::uint32_t keypoint, LandmarkId wanted,
+                                std::set<LandmarkId>& landmarks) {
+  const LandmarkId holder = mirror_.FindKeyframe(keyframe)->landmarks[keypoint];
+  if (!holder.valid() || holder == wanted) return;
+  Emit(RemoveObservation{holder, keyframe});
+  landmarks.insert(holder);
+}
+
+}  // namespace pangaea

@@ -1,0 +1,128 @@
+#include "agent/uplink/uplink_planner.h"
+
+#include <algorithm>
+#include <numbers>
+#include <utility>
+
+#include "agent/uplink/digest_grid.h"
+
+namespace pangaea {
+namespace {
+
+// What a flush leaves as it is although it differs: far above rounding, far below the digest's grid.
+constexpr double kSameLength = 1e-6;  // metres
+constexpr double kSameAngle = 1e-6;   // radians
+
+template <typename... Cases>
+struct Overloaded : Cases... {
+  using Cases::operator()...;
+};
+
+}  // namespace
+
+Status UplinkPlannerOptions::Check() const {
+  if (Status status = settling.Check(); !status) return status;
+  const bool sound = keyframe_move_m >= 0.0 && keyframe_turn_deg >= 0.0 && landmark_move_m >= 0.0 &&
+                     landmark_move_fraction >= 0.0 && landmark_move_fraction < 1.0;
+  if (sound) return {};
+  return Fail(ErrorCode::kInvalidArgument, "uplink: thresholds of moves must be >= 0, the fraction also < 1");
+}
+
+UplinkPlan UplinkPlanner::Plan(const Atlas& snapshot, std::span<const MapEdit> applied_since, PlanKind kind) {
+  for (const MapEdit& edit : applied_since) Mark(snapshot, edit);
+  if (kind == PlanKind::kFlush || std::exchange(everything_is_new_, false)) MarkEverything(snapshot);
+
+  UplinkPlan plan;
+  MirrorUpdate update(snapshot, mirror_, plan.edits);
+  const MoveThresholds thresholds = Thresholds(kind);
+  update.MoveKeyframes(std::exchange(moved_keyframes_, {}), thresholds);
+  const std::vector<KeyframeId> added = update.AddKeyframes(Settled(snapshot, kind));
+  for (const KeyframeId id : added) unsent_.erase(id);
+  MarkLandmarksOf(snapshot, added);
+  keyframes_with_frames_.insert(added.begin(), added.end());
+  const std::vector<LandmarkId> bereft = update.RemoveKeyframes(std::exchange(culled_, {}));
+  landmarks_.insert(bereft.begin(), bereft.end());
+  update.MatchLandmarks(landmarks_);
+  update.MoveLandmarks(std::exchange(moved_landmarks_, {}), thresholds);
+  update.AddFrames(std::exchange(keyframes_with_frames_, {}), thresholds);
+  update.AddLoopEdges();
+  update.CloseMaps();
+  if (kind == PlanKind::kFlush) plan.own_edits = AgreeOnDigest(snapshot, mirror_, plan.edits);
+  return plan;
+}
+
+void UplinkPlanner::AdoptMirror(Atlas mirror) {
+  mirror_ = std::move(mirror);
+  everything_is_new_ = true;
+}
+
+void UplinkPlanner::Mark(const Atlas& snapshot, const MapEdit& edit) {
+  const auto mark_frames = [&](KeyframeId id) { keyframes_with_frames_.insert(snapshot.Resolve(id)); };
+  std::visit(Overloaded{
+                 [&](const AddKeyframe& e) {
+                   unsent_.insert(e.id);
+                   newest_stamp_ns_ = std::max(newest_stamp_ns_, e.data->stamp_ns);
+                 },
+                 [&](const AddFramePoses& e) {
+                   for (const TrackedFrame& frame : e.frames) mark_frames(frame.reference);
+                   if (e.frames.empty()) return;
+                   newest_stamp_ns_ = std::max(newest_stamp_ns_, e.frames.back().pose.stamp_ns);
+                 },
+                 [&](const AddLandmark& e) { landmarks_.insert(e.id); },
+                 [&](const AddObservation& e) { landmarks_.insert(snapshot.Resolve(e.landmark)); },
+                 [&](const RemoveObservation& e) { landmarks_.insert(e.landmark); },
+                 [&](const MoveKeyframes& e) {
+                   for (const MovedKeyframe& moved : e.keyframes) moved_keyframes_.insert(moved.id);
+                 },
+                 [&](const MoveLandmarks& e) {
+                   for (const MovedLandmark& moved : e.landmarks) moved_landmarks_.insert(moved.id);
+                 },
+                 [&](const FuseLandmarks& e) {
+                   landmarks_.insert(e.absorbed);
+                   landmarks_.insert(snapshot.Resolve(e.kept));
+                 },
+                 [&](const RemoveKeyframe& e) {
+                   if (unsent_.erase(e.id) == 0) culled_.insert(e.id);
+                   mark_frames(e.id);
+                 },
+                 [&](const RemoveLandmark& e) { landmarks_.insert(e.id); },
+                 [&](const AddLoopEdge&) {},                         // compared every time: there are few
+                 [&](const MergeMaps&) {}, [&](const CloseMap&) {},  // compared every time
+             },
+             edit);
+}
+
+void UplinkPlanner::MarkEverything(const Atlas& snapshot) {
+  snapshot.ForEachKeyframe([&](const Keyframe& keyframe) {
+    if (mirror_.FindKeyframe(keyframe.id) == nullptr) unsent_.insert(keyframe.id);
+    moved_keyframes_.insert(keyframe.id);
+    keyframes_with_frames_.insert(keyframe.id);
+  });
+  snapshot.ForEachLandmark([&](const Landmark& landmark) {
+    landmarks_.insert(landmark.id);
+    moved_landmarks_.insert(landmark.id);
+  });
+  mirror_.ForEachKeyframe([&](const Keyframe& keyframe) { culled_.insert(keyframe.id); });
+  mirror_.ForEachLandmark([&](const Landmark& landmark) { landmarks_.insert(landmark.id); });
+}
+
+void UplinkPlanner::MarkLandmarksOf(const Atlas& snapshot, std::span<const KeyframeId> keyframes) {
+  for (const KeyframeId id : keyframes) {
+    for (const LandmarkId landmark : snapshot.FindKeyframe(id)->landmarks) {
+      if (landmark.valid()) landmarks_.insert(landmark);
+    }
+  }
+}
+
+std::vector<KeyframeId> UplinkPlanner::Settled(const Atlas& snapshot, PlanKind kind) const {
+  if (kind == PlanKind::kFlush) return {unsent_.begin(), unsent_.end()};
+  return SettledKeyframes(snapshot, unsent_, newest_stamp_ns_, options_.settling);
+}
+
+MoveThresholds UplinkPlanner::Thresholds(PlanKind kind) const {
+  if (kind == PlanKind::kFlush) return {kSameLength, kSameAngle, kSameLength, 0.0, true};
+  return {options_.keyframe_move_m, options_.keyframe_turn_deg * std::numbers::pi / 180.0, options_.landmark_move_m,
+          options_.landmark_move_fraction, false};
+}
+
+}  // namespace pangaea
