@@ -1,5 +1,7 @@
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -25,6 +27,15 @@ class StopCallback final : public ceres::IterationCallback {
   std::stop_token stop_;
   bool stopped_ = false;
 };
+
+// Ceres warns on stderr of every step whose factorisation failed; it recovers from those by itself.
+void SilenceWarnings() {
+  static const bool once = [] {
+    FLAGS_minloglevel = std::max(FLAGS_minloglevel, static_cast<int>(google::GLOG_ERROR));
+    return true;
+  }();
+  static_cast<void>(once);
+}
 
 ceres::LinearSolverType LinearSolver(BundleSolver solver) {
   switch (solver) {
@@ -57,6 +68,7 @@ class CeresBundle {
   }
 
   PhaseOutcome Run() {
+    SilenceWarnings();
     ceres::Solver::Options options = SolverOptions();
     StopCallback stop(phase_.options.stop);
     options.callbacks.push_back(&stop);

@@ -11,7 +11,7 @@ namespace pangaea {
 namespace {
 
 constexpr int kLanes = 8;
-using Lanes = std::array<double, kLanes>;
+using Lanes = double[kLanes];
 
 // Observations gathered for one vector pass; lanes without one have weight 0.
 struct Block {
@@ -53,22 +53,27 @@ Projection MakeProjection(const IdealCamera& camera, const Rigid3d& camera_from_
 
 // With g a row of the projection's derivative by the point p in the camera, the row by the perturbation is
 // (g, p x g); A = sum w g g' then gives the blocks A, rows p x A_i, and columns p x of those.
-[[gnu::always_inline]] inline void AddBlock(const Projection& c, const Block& block, Sums& sums) {
-  const auto& r = c.rotation;
+[[gnu::always_inline]] inline void AddBlock(const Projection& c, const Block& __restrict block, Sums& __restrict sums) {
+  const double r00 = c.rotation[0], r01 = c.rotation[1], r02 = c.rotation[2];
+  const double r10 = c.rotation[3], r11 = c.rotation[4], r12 = c.rotation[5];
+  const double r20 = c.rotation[6], r21 = c.rotation[7], r22 = c.rotation[8];
+  const double tx = c.translation[0], ty = c.translation[1], tz = c.translation[2];
+  const double focal_x = c.focal_x, focal_y = c.focal_y, center_x = c.center_x, center_y = c.center_y;
+  const double baseline = c.baseline;
   for (int i = 0; i < kLanes; ++i) {
-    const double x = r[0] * block.x[i] + r[1] * block.y[i] + r[2] * block.z[i] + c.translation[0];
-    const double y = r[3] * block.x[i] + r[4] * block.y[i] + r[5] * block.z[i] + c.translation[1];
-    const double z = r[6] * block.x[i] + r[7] * block.y[i] + r[8] * block.z[i] + c.translation[2];
+    const double x = r00 * block.x[i] + r01 * block.y[i] + r02 * block.z[i] + tx;
+    const double y = r10 * block.x[i] + r11 * block.y[i] + r12 * block.z[i] + ty;
+    const double z = r20 * block.x[i] + r21 * block.y[i] + r22 * block.z[i] + tz;
     const double inverse_depth = 1.0 / (z > kMinDepth ? z : kMinDepth);
     const double slope = z > kMinDepth ? inverse_depth : 0.0;
-    const double a = c.focal_x * inverse_depth;
-    const double b = c.focal_y * inverse_depth;
+    const double a = focal_x * inverse_depth;
+    const double b = focal_y * inverse_depth;
     const double du = -a * x * slope;
     const double dv = -b * y * slope;
-    const double dr = -a * (x - c.baseline) * slope;
-    const double error_u = a * x + c.center_x - block.u[i];
-    const double error_v = b * y + c.center_y - block.v[i];
-    const double error_r = block.stereo[i] * (a * (x - c.baseline) + c.center_x - block.u_right[i]);
+    const double dr = -a * (x - baseline) * slope;
+    const double error_u = a * x + center_x - block.u[i];
+    const double error_v = b * y + center_y - block.v[i];
+    const double error_r = block.stereo[i] * (a * (x - baseline) + center_x - block.u_right[i]);
 
     const double squared = block.squared_weight[i] * (error_u * error_u + error_v * error_v + error_r * error_r);
     const double bend = block.bend[i];

@@ -68,7 +68,12 @@ class Refiner {
         camera_from_map_(initial) {}
 
   std::optional<RefinedPose> Run() {
-    for (std::size_t i = 0; i < observations_.size(); ++i) inliers_[i] = IsUsable(observations_[i]) ? 1 : 0;
+    for (std::size_t i = 0; i < observations_.size(); ++i) {
+      // A point that starts behind the camera gives no usable direction of descent; it may come back when judged.
+      const bool usable =
+          IsUsable(observations_[i]) && (camera_from_map_ * observations_[i].point_in_map).z() > kMinDepth;
+      inliers_[i] = usable ? 1 : 0;
+    }
     int count = static_cast<int>(std::count(inliers_.begin(), inliers_.end(), std::uint8_t{1}));
     bool changed = true;
     bool converged = false;
