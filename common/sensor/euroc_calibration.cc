@@ -48,9 +48,9 @@ void ReadDistortion(ConfigReader& reader, LensModel& lens) {
 }
 
 void ReadPose(ConfigReader& reader, Rigid3d& body_from_camera) {
-  const std::string_view key = reader.Has("T_BS.data") || !reader.Has("T_BS") ? "T_BS.data" : "T_BS";
+  constexpr std::string_view kKey = "T_BS.data";
   std::vector<double> numbers;
-  reader.RequireList(key, &numbers, {16}, kPoseEntry);
+  reader.RequireList(kKey, &numbers, {16}, kPoseEntry);
   if (numbers.empty()) return;
   const Eigen::Matrix4d matrix = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());
   const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
@@ -58,7 +58,7 @@ void ReadPose(ConfigReader& reader, Rigid3d& body_from_camera) {
       (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm() < kRotationTolerance &&
       rotation.determinant() > 0.0;
   if (!is_rotation || (matrix.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() > kRotationTolerance) {
-    reader.Refuse(key, "is not a rigid motion", "a rotation matrix, a translation (metres) and the row 0 0 0 1");
+    reader.Refuse(kKey, "is not a rigid motion", "a rotation matrix, a translation (metres) and the row 0 0 0 1");
     return;
   }
   body_from_camera = Rigid3d(Eigen::Quaterniond(rotation), matrix.topRightCorner<3, 1>());

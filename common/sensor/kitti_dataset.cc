@@ -20,6 +20,8 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMatrixNumbers = 12;    // three rows of four
 constexpr double kRotationTolerance = 1e-2;   // the files hold seven digits
 constexpr double kSameFocalTolerance = 1e-6;  // relative
+constexpr std::size_t kSizeSamples = 5;       // images whose size is looked at
+constexpr std::size_t kSizeStride = 1000003;  // a prime: visits every frame once, near ones far apart
 constexpr std::array kImageEndings = {".png", ".jpg"};
 
 using Matrix34 = Eigen::Matrix<double, 3, 4>;
@@ -125,15 +127,20 @@ std::vector<std::optional<Rigid3d>> ReadPoses(const fs::path& file) {
   return poses;
 }
 
-// calib.txt has no image size: the first image that can be read has it.
+// calib.txt has no image size: it is the one that most of a few images spread over the recording have.
 Result<ImageSize> FindImageSize(const std::vector<DatasetFrame>& frames) {
-  Error first{ErrorCode::kNotFound, "no images"};
-  for (const DatasetFrame& frame : frames) {
-    const auto size = ReadImageSize(frame.left);
-    if (size) return *size;
-    if (&frame == &frames.front()) first = size.error();
+  std::vector<ImageSize> sizes;
+  Error error{ErrorCode::kNotFound, "no images"};
+  for (std::size_t i = 0; i < frames.size() && sizes.size() < kSizeSamples; ++i) {
+    const auto size = ReadImageSize(frames[i * kSizeStride % frames.size()].left);
+    if (size) {
+      sizes.push_back(*size);
+    } else if (i == 0) {
+      error = size.error();
+    }
   }
-  return Fail(first.code, first.message + " (and none of the following can be read)");
+  if (sizes.empty()) return Fail(error.code, error.message + " (and none of the others can be read)");
+  return *std::ranges::max_element(sizes, {}, [&](const ImageSize& size) { return std::ranges::count(sizes, size); });
 }
 
 void ListFrames(const fs::path& folder, SensorKind kind, const std::vector<std::optional<std::int64_t>>& times,
