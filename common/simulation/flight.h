@@ -35,6 +35,7 @@ class Flight {
   double Turns(double seconds) const;
 
   std::vector<Eigen::Vector3d> control_points_;  // closed, evenly spaced
+  double round_length_ = 1.0;                    // metres
   double round_seconds_ = 1.0;
   double start_turns_ = 0.0;
   double yaw_phase_ = 0.0;

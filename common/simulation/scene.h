@@ -10,7 +10,8 @@
 namespace pangaea {
 
 // A textured parallelogram in the world: point(s, t) = corner + s * along + t * across, s and t in [0, 1]. Seen only
-// from the side to which along x across points. (s, t) = (0, 0) is the outer corner of the texture's texel (0, 0).
+// from the side from which it looks like a picture: along to the right, across downwards (along x across points away
+// from the viewer). (s, t) = (0, 0) is the outer corner of the texture's texel (0, 0).
 struct Surface {
   Eigen::Vector3d corner;
   Eigen::Vector3d along;
@@ -22,8 +23,12 @@ struct Surface {
 struct Solid {
   Eigen::Vector3d center;
   Eigen::Vector3d half_size;
-  double yaw = 0.0;  // radians, about +z
+  Eigen::Vector2d axis = Eigen::Vector2d::UnitX();  // unit vector of its own x axis, seen from above
 
+  // From world axes to the solid's own.
+  Eigen::Vector3d ToLocal(const Eigen::Vector3d& v) const {
+    return {axis.x() * v.x() + axis.y() * v.y(), axis.x() * v.y() - axis.y() * v.x(), v.z()};
+  }
   // Negative inside. Exact outside.
   double Distance(const Eigen::Vector3d& point) const;
 };

@@ -1,0 +1,79 @@
+#include "common/simulation/hall.h"
+
+#include <atomic>
+#include <functional>
+#include <thread>
+#include <vector>
+
+#include "common/simulation/floor_plan.h"
+#include "common/simulation/lighting.h"
+#include "common/simulation/random.h"
+
+namespace pangaea {
+namespace {
+
+constexpr double kLightSpacing = 0.22;  // metres between samples of the light
+// Parts of the seed.
+constexpr std::uint64_t kFurniture = 1;
+constexpr std::uint64_t kPictures = 2;
+constexpr std::uint64_t kOccluders = 3;
+// Occluders walk between the middle and the flights' round.
+constexpr double kOccluderRadiusX = 4.9;
+constexpr double kOccluderRadiusY = 3.1;
+
+LightGrid Glow() { return {2, 2, {1.0F, 1.0F, 1.0F, 1.0F}}; }
+
+std::uint64_t PictureSeed(const HallOptions& options, const PlannedSurface& surface, std::size_t index) {
+  const std::uint64_t pictures = MixSeed(options.seed, kPictures);
+  return MixSeed(pictures, options.repetitive ? static_cast<std::uint64_t>(surface.material) : 1000 + index);
+}
+
+Surface Paint(const PlannedSurface& planned, std::uint64_t seed, const LightGrid& light) {
+  Surface surface = planned.surface;
+  surface.texture =
+      PaintMaterial(planned.material, seed, surface.along.norm(), surface.across.norm(), planned.texel, light);
+  return surface;
+}
+
+void ForEachIndex(std::size_t count, int jobs, const std::function<void(std::size_t)>& work) {
+  std::atomic<std::size_t> next = 0;
+  const auto loop = [&] {
+    for (std::size_t i = next++; i < count; i = next++) work(i);
+  };
+  std::vector<std::jthread> threads;
+  for (int i = 1; i < jobs; ++i) threads.emplace_back(loop);
+  loop();
+}
+
+Occluder MakeOccluder(std::uint64_t seed) {
+  Random random(seed);
+  Occluder occluder;
+  for (const PlannedSurface& planned : PlanOccluder(random.Next()).surfaces) {
+    occluder.surfaces.push_back(Paint(planned, random.Next(), Glow()));
+  }
+  occluder.phase = random.Unit();
+  occluder.radius_x = kOccluderRadiusX + random.Uniform(-0.2, 0.2);
+  occluder.radius_y = kOccluderRadiusY + random.Uniform(-0.2, 0.2);
+  occluder.period = random.Uniform(25.0, 40.0) * (random.Chance(0.5) ? 1.0 : -1.0);
+  return occluder;
+}
+
+}  // namespace
+
+Scene BuildHall(const HallOptions& options) {
+  FloorPlan plan = PlanHall(MixSeed(options.seed, kFurniture));
+  const Lighting lighting(plan.scene, plan.lamps);
+  Scene scene = std::move(plan.scene);
+  scene.surfaces.resize(plan.surfaces.size());
+  ForEachIndex(plan.surfaces.size(), options.jobs, [&](std::size_t i) {
+    const PlannedSurface& planned = plan.surfaces[i];
+    const LightGrid light = planned.glowing ? Glow() : lighting.Light(planned.surface, kLightSpacing);
+    scene.surfaces[i] = Paint(planned, PictureSeed(options, planned, i), light);
+  });
+  for (int i = 0; i < options.occluders; ++i) {
+    scene.occluders.push_back(MakeOccluder(MixSeed(MixSeed(options.seed, kOccluders), static_cast<std::uint64_t>(i))));
+  }
+  return scene;
+}
+
+}  // namespace pangaea
