@@ -5,9 +5,14 @@
 
 namespace pangaea {
 
-// Sub-pixel offset, within half a pixel, of the corner at `center`: the top of a quadric through the 3 x 3 corner
-// responses around it (after Harris and Stephens 1988, with the response det / trace of Noble 1988). Reads 5 pixels
-// around `center`; `stride` is in bytes.
+// How far RefineCorner moves a corner at most, along each axis, pixels. FAST answers inside of a corner, up to two
+// pixels from its tip.
+inline constexpr float kLargestRefinement = 2.0F;
+// Pixels around `center` that RefineCorner reads.
+inline constexpr int kRefinementReach = 7;
+
+// Offset from `center` to the point nearest to all edges of the patch around it (Foerstner and Guelch 1987); (0, 0)
+// where that is ill-defined or too far away. `stride` is in bytes.
 cv::Point2f RefineCorner(const std::uint8_t* center, int stride);
 
 }  // namespace pangaea

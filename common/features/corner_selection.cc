@@ -7,7 +7,10 @@
 namespace pangaea {
 namespace {
 
-constexpr std::size_t kKeptPerCell = 8;
+// Wanted corners per cell. One spreads more strictly but takes many weak corners that are not found again: with four, a
+// fifth more corners are matched after a change of view.
+constexpr std::size_t kFairShare = 4;
+constexpr std::size_t kKeptPerCell = 32;
 constexpr float kLeastCellSize = 8.0F;  // pixels
 
 // The best corners of a cell, the best first; of equal scores the first in reading order.
@@ -31,8 +34,9 @@ struct Cell {
 class CellGrid {
  public:
   CellGrid(cv::Size image, int wanted)
-      : cell_size_(std::max(kLeastCellSize,
-                            std::sqrt(static_cast<float>(image.area()) / static_cast<float>(std::max(1, wanted))))),
+      : cell_size_(
+            std::max(kLeastCellSize, std::sqrt(static_cast<float>(kFairShare) * static_cast<float>(image.area()) /
+                                               static_cast<float>(std::max(1, wanted))))),
         columns_(1 + static_cast<int>(static_cast<float>(image.width) / cell_size_)),
         rows_(1 + static_cast<int>(static_cast<float>(image.height) / cell_size_)),
         cells_(static_cast<std::size_t>(columns_ * rows_)) {}
@@ -63,7 +67,7 @@ std::vector<Corner> OrderBySpread(std::span<const Corner> corners, cv::Size imag
     for (std::size_t rank = 0; rank < cell.size; ++rank) {
       const bool strong = cell.corners[rank].score > high_threshold;
       const std::size_t round = rank + cell.occupied;
-      if (round < kKeptPerCell && (strong || round == 0)) rounds[round].push_back(cell.corners[rank]);
+      if (round < kKeptPerCell && (strong || round < kFairShare)) rounds[round].push_back(cell.corners[rank]);
     }
   }
   std::vector<Corner> ordered;

@@ -9,10 +9,9 @@
 
 namespace pangaea {
 
-// An order that spreads corners over an image: divide it into about as many square cells as corners are wanted; first
-// come the best of every cell, then the second best of every cell, and so on; cells with `occupied` points wait a round
-// for each. Corners up to `high_threshold` serve only as the first of a cell with nothing else. At most a few corners
-// of each cell are kept.
+// An order that spreads corners over an image: divide it into square cells, a quarter as many as corners are wanted;
+// first come the best of every cell, then the second best of every cell, and so on; cells with `occupied` points wait a
+// round for each. Corners up to `high_threshold` only help to fill a cell's fair share.
 std::vector<Corner> OrderBySpread(std::span<const Corner> corners, cv::Size image, int wanted, int high_threshold,
                                   std::span<const cv::Point2f> occupied);
 

@@ -13,12 +13,12 @@ struct OrbOptions {
   // Keypoints wanted in all, the fixed ones included. 1000 cover a 752 x 480 image well.
   int features = 1000;
   // Grey levels by which 9 neighbouring pixels of the circle must differ from the centre (FAST). Corners above the
-  // high threshold are preferred; those between the two serve only where an area has nothing better.
+  // high threshold are preferred; those between the two serve only where an area has too few of these.
   int high_threshold = 20;
   int low_threshold = 7;
   // A new corner keeps this far from every fixed point and from other new corners of its octave, in pixels of its
   // octave.
-  float min_distance = 8.0F;
+  float min_distance = 6.0F;
   // Two new corners of different octaves closer than this (pixels of the coarser octave) are one corner: the finer one
   // is kept. 0 keeps both.
   float same_corner_distance = 0.0F;

@@ -1,8 +1,8 @@
 // Feature extraction and matching on a synthetic textured image of 752 x 480, or on the image named by the environment
 // variable PANGAEA_BENCHMARK_IMAGE.
-#include <cstdlib>
-
 #include <benchmark/benchmark.h>
+
+#include <cstdlib>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
