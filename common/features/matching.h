@@ -37,7 +37,7 @@ struct ProjectionQuery {
   float radius = 0.0F;  // half the window's width, pixels
   int min_octave = 0;
   int max_octave = kOctaves - 1;
-  Descriptor descriptor;
+  Descriptor descriptor = {};
 };
 
 // For each query the best keypoint in its window. The second best of the ratio test is of another place: keypoints of
