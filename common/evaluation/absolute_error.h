@@ -66,8 +66,9 @@ struct AbsoluteError {
 std::optional<Rigid3d> InterpolatePose(std::span<const StampedPose> truth, std::int64_t stamp_ns,
                                        const AbsoluteErrorOptions& options);
 
-// The absolute trajectory error (Sturm et al. 2012) after the closed-form alignment of Umeyama 1991. Fails when fewer
-// than three poses have ground truth, or all lie on one line through which the rotation is free.
+// The absolute trajectory error (Sturm et al. 2012) after a closed-form alignment of the positions (Horn 1987). Where
+// those leave the rotation open (a camera that stands still or goes straight on), the orientations decide it, and the
+// scale is 1. Fails when no pose has ground truth.
 Result<AbsoluteError> EvaluateAbsoluteError(std::span<const SessionTrajectory> sessions,
                                             const AbsoluteErrorOptions& options = {});
 
