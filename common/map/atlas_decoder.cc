@@ -225,7 +225,8 @@ Status AtlasDecoder::ReadFormerLandmarks() {
 }
 
 Status AtlasDecoder::ReadLoopEdges() {
-  const std::size_t count = bytes_.Count(2 * 3 + 8 * sizeof(double));
+  constexpr std::size_t kMinBytes = 4 + 8 * sizeof(double);
+  const std::size_t count = bytes_.Count(kMinBytes);
   for (std::size_t i = 0; i < count; ++i) {
     const auto from = reader_.ReadId<KeyframeTag>();
     const auto to = reader_.ReadId<KeyframeTag>();

@@ -46,6 +46,7 @@ class AtlasEditor {
   explicit AtlasEditor(Atlas& atlas) : atlas_(atlas) {}
   friend Status Apply(const MapEdit& edit, Atlas& atlas);
   friend class AtlasDecoder;
+  friend struct BrokenAtlas;  // of the consistency check's test
 
   Atlas::Part& WritePart(SessionId session);
   Atlas::KeyframeSlot& WriteSlot(KeyframeId id);
