@@ -23,7 +23,12 @@ class TexturedPlane {
         texture_.at<std::uint8_t>(row, column) = static_cast<std::uint8_t>(grey(random));
       }
     }
-    cv::GaussianBlur(texture_, texture_, {}, 2.5);
+    // Detail of several sizes, as real surfaces have it.
+    cv::Mat fine;
+    cv::Mat coarse;
+    cv::GaussianBlur(texture_, fine, {}, 3.0);
+    cv::GaussianBlur(texture_, coarse, {}, 9.0);
+    cv::addWeighted(fine, 1.0, coarse, 3.0, -384.0, texture_);
     cv::normalize(texture_, texture_, 0, 255, cv::NORM_MINMAX);
   }
 
