@@ -1,8 +1,5 @@
 #include "server/ingest/envelope_judgement.h"
 
-#include <optional>
-#include <variant>
-
 #include "common/map/map_edit.h"
 
 namespace pangaea {
@@ -23,15 +20,6 @@ std::string Place(std::size_t index, const MapEdit& edit) {
   return "edit " + std::to_string(index + 1) + " (" + std::string(KindName(edit)) + "): ";
 }
 
-// An agent changes what its session made; loops and merges are the server's alone.
-std::optional<std::string> Trespass(const MapEdit& edit, SessionId session) {
-  if (std::holds_alternative<MergeMaps>(edit) || std::holds_alternative<AddLoopEdge>(edit)) {
-    return "only the server makes loops and merges";
-  }
-  if (!TouchesOnly(edit, session)) return "changes what belongs to another session";
-  return std::nullopt;
-}
-
 }  // namespace
 
 tl::expected<std::vector<MapEdit>, Refusal> JudgeContent(const Envelope& envelope) {
@@ -41,9 +29,9 @@ tl::expected<std::vector<MapEdit>, Refusal> JudgeContent(const Envelope& envelop
   auto edits = DecodeEdits(envelope.edits);
   if (!edits) return tl::make_unexpected(Refusal{RejectionReason::kMalformed, edits.error().message});
   for (std::size_t i = 0; i < edits->size(); ++i) {
-    if (const auto trespass = Trespass((*edits)[i], envelope.session)) {
-      return tl::make_unexpected(Refusal{RejectionReason::kForeignSession, Place(i, (*edits)[i]) + *trespass});
-    }
+    if (TouchesOnly((*edits)[i], envelope.session)) continue;
+    return tl::make_unexpected(
+        Refusal{RejectionReason::kForeignSession, Place(i, (*edits)[i]) + "changes what belongs to another session"});
   }
   return std::move(*edits);
 }

@@ -134,14 +134,11 @@ void AtlasService::LookAfterStore(const std::vector<Job>& jobs) {
   }
 }
 
+// What was forgotten meanwhile comes again by itself: the agents' patience with unacknowledged envelopes is limited.
 void AtlasService::TryStoreAgain() {
   if (const auto status = store_.Probe(); !status) return;
   current_.store_error.clear();
   Report({{}, AtlasEventKind::kStoreRecovered, "the store takes writes again", 0, 0});
-  // What was dropped meanwhile comes again at once, not after the agents' patience.
-  for (const auto& [id, session] : current_.ingest.sessions) {
-    if (session.alive()) output_.acknowledge({id, session.record().acknowledged, incarnation_, {}});
-  }
   output_.changed();
 }
 

@@ -6,6 +6,13 @@
 #include <utility>
 
 namespace pangaea {
+namespace {
+
+void LogFailure(const Status& status) {
+  if (!status) spdlog::warn(status.error().message);
+}
+
+}  // namespace
 
 Sender SenderBook::Find(const ReaderBase& reader, PublicationHandle publication) {
   auto& known = participants_[reader.entity()];
@@ -86,9 +93,10 @@ void DdsLink::SubmitLost(const ReaderBase& reader) {
   for (const PublicationHandle publication : senders_.TakeLost(reader)) sink_(WriterLost{publication});
 }
 
-template <typename Value>
-void DdsLink::Write(Writer<Value>& writer, const Value& value) {
-  if (const auto status = writer.Write(value); !status) spdlog::warn(status.error().message);
-}
+void DdsLink::Acknowledge(const EditAck& ack) { LogFailure(acks_.Write(ack)); }
+
+void DdsLink::Report(const AtlasEvent& event) { LogFailure(events_.Write(event)); }
+
+void DdsLink::Publish(const AtlasStatus& status) { LogFailure(status_.Write(status)); }
 
 }  // namespace pangaea

@@ -38,16 +38,14 @@ class DdsLink {
   void Stop() { waiter_->Stop(); }
 
   // Any thread. What cannot be written is logged: acks are repeated when an agent asks, status and events come again.
-  void Acknowledge(const EditAck& ack) { Write(acks_, ack); }
-  void Report(const AtlasEvent& event) { Write(events_, event); }
-  void Publish(const AtlasStatus& status) { Write(status_, status); }
+  void Acknowledge(const EditAck& ack);
+  void Report(const AtlasEvent& event);
+  void Publish(const AtlasStatus& status);
 
  private:
   DdsLink(Domain domain, Participant participant, Reader<SessionAnnouncement> sessions, Reader<Envelope> edits,
           Writer<EditAck> acks, Writer<AtlasEvent> events, Writer<AtlasStatus> status, Sink sink);
   Status Connect();
-  template <typename Value>
-  static void Write(Writer<Value>& writer, const Value& value);
   void SubmitLost(const ReaderBase& reader);
 
   // In the order of their dependence: destroyed from the last to the first.

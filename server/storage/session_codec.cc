@@ -1,35 +1,46 @@
 #include "server/storage/session_codec.h"
 
-#include "common/base/bytes.h"
+#include <array>
+#include <cstring>
 
 namespace pangaea {
+namespace {
+
+// Width, height, focal_x, focal_y, center_x, center_y, baseline; rotation x, y, z, w; translation x, y, z.
+using Rig = std::array<double, 14>;
+
+}  // namespace
 
 std::vector<std::byte> EncodeRig(const SessionAnnouncement& announcement) {
-  ByteWriter writer;
   const IdealCamera& camera = announcement.ideal_camera;
-  for (const int side : {camera.width, camera.height}) writer.Word<std::int32_t>(side);
-  for (const double value : {camera.focal_x, camera.focal_y, camera.center_x, camera.center_y, camera.baseline}) {
-    writer.Word(value);
-  }
-  const auto& rotation = announcement.body_from_camera.rotation();
-  const auto& translation = announcement.body_from_camera.translation();
-  for (const double value : {rotation.x(), rotation.y(), rotation.z(), rotation.w()}) writer.Word(value);
-  for (const double value : {translation.x(), translation.y(), translation.z()}) writer.Word(value);
-  return writer.Take();
+  const Eigen::Quaterniond& rotation = announcement.body_from_camera.rotation();
+  const Eigen::Vector3d& translation = announcement.body_from_camera.translation();
+  const Rig rig{static_cast<double>(camera.width),
+                static_cast<double>(camera.height),
+                camera.focal_x,
+                camera.focal_y,
+                camera.center_x,
+                camera.center_y,
+                camera.baseline,
+                rotation.x(),
+                rotation.y(),
+                rotation.z(),
+                rotation.w(),
+                translation.x(),
+                translation.y(),
+                translation.z()};
+  const auto bytes = std::as_bytes(std::span(rig));
+  return {bytes.begin(), bytes.end()};
 }
 
 Status DecodeRig(std::span<const std::byte> bytes, SessionAnnouncement& announcement) {
-  ByteReader reader(bytes);
-  IdealCamera& camera = announcement.ideal_camera;
-  for (int* side : {&camera.width, &camera.height}) *side = reader.Word<std::int32_t>();
-  for (double* value : {&camera.focal_x, &camera.focal_y, &camera.center_x, &camera.center_y, &camera.baseline}) {
-    *value = reader.Word<double>();
-  }
-  double pose[7];
-  for (double& value : pose) value = reader.Word<double>();
-  if (!reader.ok() || reader.remaining() != 0) return Fail(ErrorCode::kCorrupt, "a session's camera rig is damaged");
-  const Eigen::Quaterniond rotation(pose[3], pose[0], pose[1], pose[2]);
-  announcement.body_from_camera = Rigid3d(rotation, {pose[4], pose[5], pose[6]});
+  Rig rig;
+  if (bytes.size() != sizeof(rig)) return Fail(ErrorCode::kCorrupt, "a session's camera rig is damaged");
+  std::memcpy(rig.data(), bytes.data(), sizeof(rig));
+  announcement.ideal_camera = {
+      static_cast<int>(rig[0]), static_cast<int>(rig[1]), rig[2], rig[3], rig[4], rig[5], rig[6]};
+  const Eigen::Quaterniond rotation(rig[10], rig[7], rig[8], rig[9]);
+  announcement.body_from_camera = Rigid3d(rotation, {rig[11], rig[12], rig[13]});
   return {};
 }
 
