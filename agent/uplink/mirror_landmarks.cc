@@ -21,6 +21,13 @@ bool Holds(const Landmark& landmark, const Observation& observation) {
 
 void MirrorUpdate::MatchLandmarks(std::set<LandmarkId>& landmarks) {
   std::set<LandmarkId> waiting;
+  const std::set<LandmarkId> first = landmarks;
+  // Fusions first: their absorber would take the observations one by one, and the absorbed would leave no trace.
+  for (const LandmarkId id : first) {
+    if (agent_.FindLandmark(id) != nullptr) continue;
+    landmarks.erase(id);
+    if (!MatchVanished(id, landmarks)) waiting.insert(id);
+  }
   while (!landmarks.empty()) {
     const LandmarkId id = *landmarks.begin();
     landmarks.erase(landmarks.begin());

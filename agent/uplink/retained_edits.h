@@ -60,7 +60,7 @@ class RetainedEdits {
   // Goes back to the last ack if the deadline passed. Returns whether it did.
   bool OnTime(Time now);
   // When OnTime should be called next; none while nothing is in flight.
-  std::optional<Time> deadline() const;
+  std::optional<Time> deadline() const { return deadline_; }
 
   std::uint64_t acknowledged() const { return acked_; }
   std::uint64_t last_sequence() const { return last_; }

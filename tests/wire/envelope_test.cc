@@ -73,7 +73,9 @@ TEST(Envelope, RandomOctetsWithAGoodChecksumDecodeToAnErrorOrToEdits) {
     envelope.checksum = Hash64(envelope.edits);
     ASSERT_TRUE(CheckEnvelope(envelope));
     const auto edits = DecodeEdits(envelope.edits);
-    if (edits) EXPECT_LE(edits->size(), envelope.edits.size());
+    if (edits) {
+      EXPECT_LE(edits->size(), envelope.edits.size());
+    }
   }
 }
 
