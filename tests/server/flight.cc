@@ -1,0 +1,47 @@
+#include "tests/server/flight.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/map/small_world.h"
+
+namespace pangaea {
+
+std::vector<MapEdit> Flight::NextEdits() {
+  const KeyframeId id{session_, ++keyframes_};
+  const KeyframeId parent = keyframes_ == 1 ? KeyframeId{} : KeyframeId{session_, keyframes_ - 1};
+  std::vector<MapEdit> edits{
+      AddKeyframe{id, {session_, 1}, parent, MakePose(0.01, 0.1, 0.0, 0.3), MakeData(keypoints_, keyframes_ * 1000)}};
+  // The newest half of the landmarks is seen again, at the first keypoints; the other keypoints make new ones.
+  const auto half = static_cast<std::uint32_t>(keypoints_ / 2);
+  for (std::uint32_t i = 0; i < half && landmarks_ > i; ++i)
+    edits.push_back(AddObservation{{session_, landmarks_ - i}, id, i});
+  for (std::uint32_t i = half; i < keypoints_; ++i) {
+    edits.push_back(AddLandmark{{session_, ++landmarks_}, id, i, {0.01 * i, 0.02 * i, 4.0}});
+  }
+  return edits;
+}
+
+Envelope Flight::Next() {
+  const std::vector<MapEdit> edits = NextEdits();
+  for (const MapEdit& edit : edits) {
+    const Status applied = Apply(edit, atlas_);
+    EXPECT_TRUE(applied) << applied.error().message;
+  }
+  return NextWith(edits);
+}
+
+Envelope Flight::NextWith(const std::vector<MapEdit>& edits) { return MakeEnvelope(session_, ++sequence_, 0, edits); }
+
+SessionAnnouncement Flight::Announcement(const std::string& site) const {
+  SessionAnnouncement announcement;
+  announcement.session = session_;
+  announcement.name = "agent-" + std::to_string(session_);
+  announcement.site = site;
+  announcement.ideal_camera = {752, 480, 400.0, 400.0, 376.0, 240.0, 0.11};
+  announcement.body_from_camera = MakePose(0.5, 0.1, 0.2, 0.3);
+  announcement.software_version = "0.1.0";
+  announcement.wire_version = kWireVersion;
+  return announcement;
+}
+
+}  // namespace pangaea
