@@ -19,7 +19,8 @@ struct Block {
   Lanes u{}, v{}, u_right{};  // the measurement
   Lanes squared_weight{};     // inverse_sigma^2
   Lanes stereo{};             // 1 or 0
-  Lanes bend{};               // of the kernel
+  // Of the kernel. Positive also where there is no observation: it is a divisor.
+  Lanes bend = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
 };
 
 // The sums, lane by lane. The translation part of the information has no (x, y) entry: rows u and v share no axis.
