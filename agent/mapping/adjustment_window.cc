@@ -4,6 +4,7 @@
 
 #include "agent/mapping/local_bundle_adjustment.h"
 #include "agent/mapping/neighbourhood.h"
+#include "common/map/covisibility.h"
 
 namespace pangaea {
 namespace {
@@ -32,8 +33,7 @@ std::vector<KeyframeId> ChooseFixed(const Atlas& atlas, const std::vector<Landma
 AdjustmentWindow ChooseAdjustmentWindow(const Atlas& atlas, KeyframeId newest,
                                         const LocalBundleAdjustmentOptions& options) {
   AdjustmentWindow window;
-  std::vector<KeyframeId> near = BestCovisible(*atlas.FindKeyframe(newest), options.window_keyframes - 1);
-  near.push_back(newest);
+  const std::vector<KeyframeId> near = GrowWindow(atlas, newest, options.window_keyframes);
   // The root holds the map's origin; guests belong to another session.
   std::copy_if(near.begin(), near.end(), std::back_inserter(window.free),
                [&](KeyframeId id) { return id.session == newest.session && !IsRoot(*atlas.FindKeyframe(id)); });

@@ -13,7 +13,7 @@ namespace pangaea {
 
 // What a local bundle adjustment moves, and who holds it in place.
 struct AdjustmentWindow {
-  std::vector<KeyframeId> free;       // the newest and its best covisible ones, never the root or another session's
+  std::vector<KeyframeId> free;       // the newest and those around it, never the root or another session's
   std::vector<KeyframeId> fixed;      // see the same landmarks; never empty when `free` is not
   std::vector<LandmarkId> landmarks;  // ascending; seen by a free keyframe and at least one more
   // Landmarks that one free keyframe alone sees: they say nothing about its pose and move with it.

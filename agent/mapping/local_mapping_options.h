@@ -79,8 +79,8 @@ struct LandmarkCullingOptions {
 enum class BundleAdjustmentBackEnd { kFast, kCeres };
 
 struct LocalBundleAdjustmentOptions {
-  // Keyframes whose poses are free: the new one and its best covisible ones (count).
-  std::size_t window_keyframes = 12;
+  // Keyframes whose poses are free: the new one, its best covisible ones, then theirs (count).
+  std::size_t window_keyframes = 20;
   // Keyframes held fixed because they see the window's landmarks; the ones with most such landmarks (count).
   std::size_t fixed_keyframes = 30;
   int iterations = 5;                   // steps with the robust kernel
@@ -91,7 +91,7 @@ struct LocalBundleAdjustmentOptions {
 struct KeyframeCullingOptions {
   // Part of a keyframe's landmarks that enough others see as well: then it says nothing new.
   double redundant_ratio = 0.9;
-  std::size_t other_observers = 3;  // count
+  std::size_t other_observers = 5;  // count; with 3 the adjusted poses get 1.5 times worse, as tracks get shorter
   // The newest keyframes are never culled: tracking refers to them and their landmarks are on trial (count).
   std::uint32_t newest_kept = 3;
 };

@@ -26,8 +26,8 @@ constexpr SessionId kSession = 1;
 // A mapper that walks through a synthetic world.
 class Walk {
  public:
-  explicit Walk(const SyntheticWorldOptions& world = {}, const LocalMappingOptions& mapping = {})
-      : world(world), mapper(kSession, mapping) {}
+  explicit Walk(const SyntheticWorldOptions& world_options = {}, const LocalMappingOptions& mapping_options = {})
+      : world(world_options), mapper(kSession, mapping_options) {}
 
   KeyframeId Visit(const Rigid3d& camera_from_world, std::stop_token stop = {}) {
     const KeyframeCandidate candidate = world.NextKeyframe(camera_from_world, mapper.atlas());
@@ -228,10 +228,12 @@ TEST(LocalMapper, ACandidateWithAnUnknownReferenceIsRefused) {
 TEST(LocalMapper, FramesOfAnUnknownReferenceAreLeftOut) {
   Walk walk;
   const KeyframeId root = walk.Visit(CirclePose(0, 60));
-  const std::vector<TrackedFrame> frames{{.reference = root, .pose = {.stamp_ns = 1'500'000'000}},
-                                         {.reference = {kSession, 99}, .pose = {.stamp_ns = 1'600'000'000}},
-                                         {.reference = root, .pose = {.stamp_ns = 1'550'000'000}},
-                                         {.reference = root, .pose = {.stamp_ns = 1'700'000'000}}};
+  const auto frame = [](KeyframeId reference, std::int64_t milliseconds) {
+    return TrackedFrame{.reference = reference, .pose = {milliseconds * 1'000'000, Rigid3d()}};
+  };
+  const KeyframeId unknown{kSession, 99};
+  const std::vector<TrackedFrame> frames{frame(root, 1500), frame(unknown, 1600), frame(root, 1550), frame(root, 1540),
+                                         frame(root, 1700)};
   walk.mapper.AddFrames(frames);
   const auto edits = walk.mapper.TakeEdits();
   ASSERT_TRUE(std::holds_alternative<AddFramePoses>(edits.back()));

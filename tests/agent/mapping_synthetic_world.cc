@@ -51,7 +51,10 @@ void SyntheticWorld::BeginMap(MapId map) {
 
 KeyframeCandidate SyntheticWorld::NextKeyframe(const Rigid3d& camera_from_world, const Atlas& atlas) {
   View view = Look(camera_from_world);
-  KeyframeCandidate candidate{.id = {map_.session, ++keyframes_}, .map = map_, .data = view.data};
+  KeyframeCandidate candidate;
+  candidate.id = {map_.session, ++keyframes_};
+  candidate.map = map_;
+  candidate.data = view.data;
   view.data->stamp_ns = static_cast<std::int64_t>(keyframes_) * 1'000'000'000;
   if (recent_.empty()) {
     candidate.landmarks.resize(view.points.size());
