@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 namespace pangaea {
@@ -14,6 +15,8 @@ namespace {
 constexpr double kMinTriangleSine = 1e-4;
 // Newton steps on the distances; they converge quadratically and start near the solution.
 constexpr int kDistanceIterations = 5;
+// Of a matrix of unit norm.
+constexpr double kVanishingDeterminant = 1e-13;
 // Largest relative error of a squared distance for a solution to be real.
 constexpr double kMaxRelativeError = 1e-6;
 
@@ -73,6 +76,18 @@ double CubicRoot(double b, double c, double d) {
   return x;
 }
 
+// The matrix d1 + x d2 of determinant zero. |det d1| <= |det d2|; where even that vanishes, as in symmetric scenes, d1
+// is the one already.
+std::optional<Eigen::Matrix3d> DegenerateMember(const Eigen::Matrix3d& d1, const Eigen::Matrix3d& d2) {
+  const double leading = d2.determinant();
+  if (std::abs(leading) <= kVanishingDeterminant * std::pow(d2.norm(), 3)) return d1;
+  const double inverse = 1.0 / leading;
+  const double root = CubicRoot((Adjugate(d2) * d1).trace() * inverse, (Adjugate(d1) * d2).trace() * inverse,
+                                d1.determinant() * inverse);
+  if (!std::isfinite(root)) return std::nullopt;
+  return d1 + root * d2;
+}
+
 // Newton's method on the three distances, in place. False when it does not arrive.
 bool RefineDistances(const LawOfCosines& law, Eigen::Vector3d& distances) {
   double error = std::numeric_limits<double>::infinity();
@@ -116,15 +131,12 @@ class Solver {
 
   ThreePointPoses Solve() {
     // Two homogeneous equations d' D1 d = d' D2 d = 0; D1 + root * D2 is degenerate, a pair of planes (Eqs. 4 to 7).
-    const Eigen::Matrix3d d1 = law_.form[0] * law_.squared_length[2] - law_.form[2] * law_.squared_length[0];
-    const Eigen::Matrix3d d2 = law_.form[1] * law_.squared_length[2] - law_.form[2] * law_.squared_length[1];
-    const double leading = d2.determinant();
-    const double inverse = 1.0 / leading;
-    const double root = CubicRoot((Adjugate(d2) * d1).trace() * inverse, (Adjugate(d1) * d2).trace() * inverse,
-                                  d1.determinant() * inverse);
-    if (!std::isfinite(root)) return poses_;
-    const Eigen::Matrix3d degenerate = d1 + root * d2;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(degenerate);
+    Eigen::Matrix3d d1 = law_.form[0] * law_.squared_length[2] - law_.form[2] * law_.squared_length[0];
+    Eigen::Matrix3d d2 = law_.form[1] * law_.squared_length[2] - law_.form[2] * law_.squared_length[1];
+    if (std::abs(d1.determinant()) > std::abs(d2.determinant())) std::swap(d1, d2);
+    const std::optional<Eigen::Matrix3d> member = DegenerateMember(d1, d2);
+    if (!member) return poses_;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(*member);
     // Ascending: the eigenvalue near zero lies between one negative and one positive.
     const double negative = eigen.eigenvalues()(0);
     const double positive = eigen.eigenvalues()(2);

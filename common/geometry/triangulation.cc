@@ -39,9 +39,9 @@ NormalEquations Linearize(std::span<const PointView> views, const Eigen::Vector3
   return equations;
 }
 
-bool IsDetermined(const Eigen::Matrix3d& information) {
-  if (!information.allFinite()) return false;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(information, Eigen::EigenvaluesOnly);
+bool IsDetermined(const NormalEquations& equations) {
+  if (!equations.information.allFinite() || !std::isfinite(equations.cost)) return false;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(equations.information, Eigen::EigenvaluesOnly);
   return eigen.eigenvalues()(0) > kMinReciprocalCondition * eigen.eigenvalues()(2);
 }
 
@@ -77,7 +77,7 @@ std::optional<RefinedPoint> RefinePoint(std::span<const PointView> views, const 
   Eigen::Vector3d point_in_map = initial;
   NormalEquations equations = Linearize(views, point_in_map);
   for (int i = 0; i < options.max_iterations; ++i) {
-    if (!IsDetermined(equations.information)) return std::nullopt;
+    if (!IsDetermined(equations)) return std::nullopt;
     const Eigen::Vector3d step = -equations.information.ldlt().solve(equations.gradient);
     NormalEquations next = Linearize(views, point_in_map + step);
     if (!(next.cost <= equations.cost)) {
@@ -92,7 +92,7 @@ std::optional<RefinedPoint> RefinePoint(std::span<const PointView> views, const 
     const double distance = views.empty() ? 0.0 : (views.front().camera_from_map * point_in_map).norm();
     if (step.norm() <= options.step_tolerance * distance) break;
   }
-  if (!equations.in_front || !IsDetermined(equations.information) || !point_in_map.allFinite()) return std::nullopt;
+  if (!equations.in_front || !IsDetermined(equations) || !point_in_map.allFinite()) return std::nullopt;
   return RefinedPoint{point_in_map, equations.information, equations.worst_chi2};
 }
 
