@@ -11,11 +11,11 @@
 
 namespace pangaea {
 
-// Envelopes in one file, appended as length, header and octets. Emptied whenever nothing in it is needed any more;
+// Envelopes in one file, each as header and octets. Started anew when nothing in it is needed any more;
 // deleted with this object when it is empty, left behind when it is not.
 class SpillFile final : public SpillSink {
  public:
-  // Creates or empties the file at the first Append: without need there is no file.
+  // The file is made, or emptied, at the first Append: without need there is none.
   explicit SpillFile(std::filesystem::path path) : path_(std::move(path)) {}
   ~SpillFile() override;
   SpillFile(const SpillFile&) = delete;

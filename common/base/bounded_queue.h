@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <deque>
 #include <optional>
@@ -44,6 +45,15 @@ class BoundedQueue {
   std::optional<T> Pop() EXCLUDES(mutex_) {
     MutexLock lock(mutex_);
     while (items_.empty() && !closed_) filled_.wait(mutex_);
+    return Take();
+  }
+
+  // As Pop, but gives up at `deadline`: then nothing, too.
+  std::optional<T> PopUntil(std::chrono::steady_clock::time_point deadline) EXCLUDES(mutex_) {
+    MutexLock lock(mutex_);
+    while (items_.empty() && !closed_) {
+      if (filled_.wait_until(mutex_, deadline) == std::cv_status::timeout) break;
+    }
     return Take();
   }
 

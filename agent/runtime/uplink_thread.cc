@@ -1,0 +1,279 @@
+#include "agent/runtime/uplink_thread.h"
+
+#include <algorithm>
+#include <future>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <variant>
+
+#include "agent/runtime/spill_file.h"
+#include "agent/uplink/edit_packing.h"
+#include "common/base/bounded_queue.h"
+#include "common/base/mutex.h"
+#include "common/dds/reader.h"
+#include "common/dds/waiter.h"
+#include "common/dds/writer.h"
+#include "common/wire/edit_ack.h"
+#include "common/wire/envelope.h"
+
+namespace pangaea {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// After a write that peers did not take: what it blocked for, once more.
+constexpr std::chrono::milliseconds kWriteRetry{200};
+// How long the announcement of the end may take to reach the server.
+constexpr std::chrono::milliseconds kGoodbye{500};
+
+struct FlushRequest {
+  UplinkBatch batch;
+  Clock::time_point deadline;
+  std::shared_ptr<std::promise<Result<std::vector<MapEdit>>>> done;
+};
+struct StopRequest {};
+using Event = std::variant<UplinkBatch, FlushRequest, EditAck, MatchChange, StopRequest>;
+
+struct Endpoints {
+  Writer<SessionAnnouncement> session;
+  Writer<Envelope> edits;
+  Reader<EditAck> acks;
+};
+
+class UplinkLoop final : public UplinkThread {
+ public:
+  UplinkLoop(SessionAnnouncement session, UplinkOptions options, Endpoints endpoints, std::unique_ptr<Waiter> waiter)
+      : options_(std::move(options)),
+        session_(std::move(session)),
+        endpoints_(std::move(endpoints)),
+        events_(options_.queue_batches),
+        spill_(options_.spill_path),
+        planner_(options_.planner),
+        retained_(options_.retained, &spill_),
+        waiter_(std::move(waiter)) {}
+  ~UplinkLoop() override { Stop(); }
+
+  Status Begin() {
+    Status status = waiter_->OnSample<EditAck>(endpoints_.acks, [this](Sample<EditAck> sample) {
+      if (sample.alive && sample.value.session == session_.session) (void)events_.Push(std::move(sample.value));
+    });
+    if (!status) return status;
+    status = waiter_->OnMatch(endpoints_.edits, [this](const MatchChange& change) { (void)events_.Push(change); });
+    if (!status) return status;
+    if (status = endpoints_.session.Write(session_); !status) return status;
+    waiter_->Start();
+    thread_ = std::thread([this] { Run(); });
+    return {};
+  }
+
+  bool Submit(UplinkBatch batch) override { return events_.Push(std::move(batch)); }
+
+  Result<std::vector<MapEdit>> Flush(UplinkBatch batch, std::chrono::milliseconds patience) override {
+    auto done = std::make_shared<std::promise<Result<std::vector<MapEdit>>>>();
+    auto result = done->get_future();
+    if (!events_.Push(FlushRequest{std::move(batch), Clock::now() + patience, std::move(done)})) {
+      return Fail(ErrorCode::kUnavailable, "the uplink was stopped");
+    }
+    return result.get();
+  }
+
+  void Stop() override EXCLUDES(stop_mutex_) {
+    MutexLock lock(stop_mutex_);
+    if (!thread_.joinable()) return;
+    waiter_->Stop();
+    (void)events_.Push(StopRequest{});
+    events_.Close();
+    thread_.join();
+  }
+
+  UplinkCounters counters() const override EXCLUDES(counters_mutex_) {
+    MutexLock lock(counters_mutex_);
+    return counters_;
+  }
+
+ private:
+  void Run() {
+    while (!stopping_) {
+      std::optional<Event> event;
+      if (const auto wake = NextDeadline()) {
+        event = events_.PopUntil(*wake);
+      } else {
+        event = events_.Pop();
+      }
+      if (event) std::visit([this](auto& e) { Handle(e); }, *event);
+      retained_.OnTime(Clock::now());
+      SendWhatFits();
+      FinishFlush();
+      PublishCounters();
+    }
+    Leave();
+  }
+
+  std::optional<Clock::time_point> NextDeadline() const {
+    std::optional<Clock::time_point> wake = retained_.deadline();
+    const auto sooner = [&](Clock::time_point time) { wake = wake ? std::min(*wake, time) : time; };
+    if (retry_) sooner(*retry_);
+    if (flush_) sooner(flush_->deadline);
+    return wake;
+  }
+
+  void Handle(UplinkBatch& batch) { (void)Plan(batch, PlanKind::kOngoing); }
+
+  void Handle(FlushRequest& request) {
+    if (flush_) EndFlush(Fail(ErrorCode::kRefused, "another flush took its place"));
+    own_edits_ = Plan(request.batch, PlanKind::kFlush);
+    flush_ = std::move(request);
+  }
+
+  void Handle(EditAck& ack) {
+    for (const Rejection& rejection : retained_.OnAck(ack, Clock::now())) {
+      ++local_.rejections;
+      local_.last_error = "the server rejected envelope " + std::to_string(rejection.sequence) + ": " + rejection.text;
+    }
+    retry_.reset();
+  }
+
+  // A reader that is new has none of what was sent to others, even where the lease of a killed one still runs.
+  void Handle(MatchChange& change) {
+    if (change.change > 0) retained_.OnServerPresent(false);
+    retained_.OnServerPresent(change.current > 0);
+    local_.server_present = change.current > 0;
+    retry_.reset();
+  }
+
+  void Handle(StopRequest&) { stopping_ = true; }
+
+  std::vector<MapEdit> Plan(const UplinkBatch& batch, PlanKind kind) {
+    UplinkPlan plan = planner_.Plan(*batch.snapshot, batch.applied_since, kind);
+    for (const auto edits : PackEdits(plan.edits, options_.envelope_bytes)) {
+      NoteFailure(retained_.Retain(MakeEnvelope(session_.session, retained_.next_sequence(), 0, edits)));
+    }
+    return std::move(plan.own_edits);
+  }
+
+  void SendWhatFits() {
+    if (retry_ && Clock::now() < *retry_) return;
+    retry_.reset();
+    while (!stopping_) {
+      const auto envelope = retained_.NextToSend();
+      if (!envelope) return Retry(envelope.error());
+      if (!envelope->has_value()) return;
+      const Status status = endpoints_.edits.Write(**envelope);
+      if (!status) return Retry(status.error());
+      retained_.OnSent((*envelope)->sequence, Clock::now());
+      ++local_.envelopes_sent;
+      local_.bytes_sent += (*envelope)->edits.size();
+    }
+  }
+
+  void Retry(const Error& error) {
+    local_.last_error = error.message;
+    retry_ = Clock::now() + kWriteRetry;
+  }
+
+  void NoteFailure(const Status& status) {
+    if (!status) local_.last_error = status.error().message;
+  }
+
+  void FinishFlush() {
+    if (!flush_) return;
+    if (retained_.all_acknowledged()) {
+      if (local_.rejections == 0) return EndFlush(std::move(own_edits_));
+      return EndFlush(Fail(ErrorCode::kRefused, local_.last_error));
+    }
+    if (Clock::now() >= flush_->deadline) EndFlush(Unsent("in time"));
+  }
+
+  void EndFlush(Result<std::vector<MapEdit>> result) {
+    flush_->done->set_value(std::move(result));
+    flush_.reset();
+  }
+
+  // Writes what the server may not have into the spill file.
+  tl::unexpected<Error> Unsent(const std::string& when) {
+    Status spilled;
+    retained_.ForEachInMemory([&](const Envelope& envelope) {
+      if (spilled) spilled = spill_.Append(envelope);
+    });
+    const std::uint64_t count = retained_.last_sequence() - retained_.acknowledged();
+    std::string message = "the server did not acknowledge " + std::to_string(count) + " envelopes " + when;
+    message += spilled ? "; they are in " + spill_.path().string() : "; " + spilled.error().message;
+    local_.last_error = message;
+    return Fail(ErrorCode::kUnavailable, message);
+  }
+
+  void Leave() {
+    if (!retained_.all_acknowledged()) (void)Unsent("before the end");
+    if (flush_) EndFlush(Fail(ErrorCode::kUnavailable, "the uplink was stopped"));
+    while (auto event = events_.TryPop()) {
+      if (auto* late = std::get_if<FlushRequest>(&*event)) {
+        late->done->set_value(Fail(ErrorCode::kUnavailable, "the uplink was stopped"));
+      }
+    }
+    session_.closed = true;
+    if (endpoints_.session.Write(session_)) NoteFailure(endpoints_.session.WaitForAcks(kGoodbye));
+    PublishCounters();
+  }
+
+  void PublishCounters() EXCLUDES(counters_mutex_) {
+    local_.last_sequence = retained_.last_sequence();
+    local_.acknowledged = retained_.acknowledged();
+    local_.resends = retained_.resends();
+    MutexLock lock(counters_mutex_);
+    counters_ = local_;
+  }
+
+  const UplinkOptions options_;
+  // Below, the uplink thread's own, once it runs.
+  SessionAnnouncement session_;
+  Endpoints endpoints_;
+  BoundedQueue<Event> events_;
+  SpillFile spill_;
+  UplinkPlanner planner_;
+  RetainedEdits retained_;
+  std::vector<MapEdit> own_edits_;
+  std::optional<FlushRequest> flush_;
+  std::optional<Clock::time_point> retry_;
+  UplinkCounters local_;
+  bool stopping_ = false;
+
+  mutable Mutex counters_mutex_;
+  UplinkCounters counters_ GUARDED_BY(counters_mutex_);
+  Mutex stop_mutex_;
+  std::thread thread_;
+  std::unique_ptr<Waiter> waiter_;  // its callbacks use all of the above
+};
+
+}  // namespace
+
+Status UplinkOptions::Check() const {
+  if (Status status = planner.Check(); !status) return status;
+  if (Status status = retained.Check(); !status) return status;
+  if (envelope_bytes >= 1000 && envelope_bytes <= kMaxEnvelopeBytes / 2 && queue_batches > 0) return {};
+  return Fail(ErrorCode::kInvalidArgument, "uplink: envelope_bytes must be 1000 to " +
+                                               std::to_string(kMaxEnvelopeBytes / 2) + ", queue_batches > 0");
+}
+
+Result<std::unique_ptr<UplinkThread>> UplinkThread::Start(const Participant& participant, SessionAnnouncement session,
+                                                          UplinkOptions options) {
+  if (const Status status = options.Check(); !status) return tl::make_unexpected(status.error());
+  auto session_writer = Writer<SessionAnnouncement>::Open(participant);
+  if (!session_writer) return tl::make_unexpected(session_writer.error());
+  auto edits = Writer<Envelope>::Open(participant);
+  if (!edits) return tl::make_unexpected(edits.error());
+  auto acks = Reader<EditAck>::Open(participant);
+  if (!acks) return tl::make_unexpected(acks.error());
+  auto waiter = Waiter::Create(participant);
+  if (!waiter) return tl::make_unexpected(waiter.error());
+  session.site = participant.site();
+  session.wire_version = kWireVersion;
+  session.closed = false;
+  auto loop = std::make_unique<UplinkLoop>(std::move(session), std::move(options),
+                                           Endpoints{std::move(*session_writer), std::move(*edits), std::move(*acks)},
+                                           std::move(*waiter));
+  if (const Status status = loop->Begin(); !status) return tl::make_unexpected(status.error());
+  return std::unique_ptr<UplinkThread>(std::move(loop));
+}
+
+}  // namespace pangaea
