@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
 #include <utility>
 
 #include "common/estimation/bundle_phase.h"
+#include "common/estimation/local_bundle_layout.h"
 
 // Levenberg-Marquardt on the reduced camera system (Triggs et al., "Bundle Adjustment: A Modern Synthesis", 2000,
 // section 6.1), for problems whose reduced system is small and dense. Observations lie sorted by point, so that
@@ -15,6 +15,7 @@
 namespace pangaea {
 namespace {
 
+using namespace local_bundle;
 using Matrix63d = Eigen::Matrix<double, 6, 3>;
 
 constexpr double kInitialDamping = 1e-4;
@@ -23,36 +24,6 @@ constexpr double kMaxDamping = 1e16;
 // The damped diagonal lies in this range, so that variables without information stay where they are.
 constexpr double kMinDiagonal = 1e-6;
 constexpr double kMaxDiagonal = 1e32;
-
-struct Camera {
-  Eigen::Matrix3d rotation;
-  Eigen::Vector3d translation;
-  double focal_x, focal_y, center_x, center_y, baseline;
-  int variable;  // index among the free poses, -1: fixed
-};
-
-struct Measurement {
-  double u, v, u_right;
-  double squared_weight;  // inverse_sigma^2
-  double bend;            // of Huber's kernel, a squared residual in sigmas
-  int camera;
-  bool stereo;
-};
-
-// A run of measurements [begin, end) of one point; those up to `free_end` are by free poses, in their order.
-struct Track {
-  int begin, free_end, end;
-  int point;
-  bool fixed;
-};
-
-// One camera's view of a point. With A = J' w J, J the projection's derivative by the point in the camera:
-struct View {
-  Eigen::Vector3d point_in_camera;
-  double xx, xz, yy, yz, zz;  // A; its (x, y) entry is 0
-  Eigen::Vector3d gradient;   // J' w error
-  double cost;                // kernel of the squared residual
-};
 
 // Half the derivatives of the cost by everything free.
 struct Equations {
@@ -69,105 +40,26 @@ struct Step {
   double predicted_decrease = 0.0;
 };
 
-inline double Huber(double squared, double bend, double& weight) {
-  if (squared <= bend) {
-    weight = 1.0;
-    return squared;
-  }
-  weight = std::sqrt(bend / squared);
-  return 2.0 * weight * squared - bend;
-}
-
-struct Residual {
-  double x, y, z, inverse_depth;
-  double u, v, r;
-  double squared;
-};
-
-inline Residual Project(const Camera& camera, const Measurement& measurement, const Eigen::Vector3d& point_in_map) {
-  const Eigen::Vector3d p = camera.rotation * point_in_map + camera.translation;
-  Residual e;
-  e.x = p.x();
-  e.y = p.y();
-  e.z = p.z();
-  e.inverse_depth = 1.0 / std::max(e.z, kMinDepth);
-  const double a = camera.focal_x * e.inverse_depth;
-  e.u = a * e.x + camera.center_x - measurement.u;
-  e.v = camera.focal_y * e.inverse_depth * e.y + camera.center_y - measurement.v;
-  e.r = measurement.stereo ? a * (e.x - camera.baseline) + camera.center_x - measurement.u_right : 0.0;
-  e.squared = measurement.squared_weight * (e.u * e.u + e.v * e.v + e.r * e.r);
-  return e;
-}
-
-inline View LookAt(const Camera& camera, const Measurement& measurement, const Eigen::Vector3d& point_in_map) {
-  const Residual e = Project(camera, measurement, point_in_map);
-  View view;
-  double weight = 1.0;
-  view.cost = Huber(e.squared, measurement.bend, weight);
-  const double w = weight * measurement.squared_weight;
-  const double slope = e.z > kMinDepth ? e.inverse_depth : 0.0;
-  const double a = camera.focal_x * e.inverse_depth;
-  const double b = camera.focal_y * e.inverse_depth;
-  const double du = -a * e.x * slope;
-  const double dv = -b * e.y * slope;
-  const double s = measurement.stereo ? 1.0 : 0.0;
-  const double dr = -s * a * (e.x - camera.baseline) * slope;
-  view.point_in_camera = {e.x, e.y, e.z};
-  view.xx = w * a * a * (1.0 + s);
-  view.xz = w * a * (du + dr);
-  view.yy = w * b * b;
-  view.yz = w * b * dv;
-  view.zz = w * (du * du + dv * dv + dr * dr);
-  view.gradient = {w * a * (e.u + e.r), w * b * e.v, w * (du * e.u + dv * e.v + dr * e.r)};
-  return view;
-}
-
-// Adds G' A G, G = (I, -[p]x): the information of a pose perturbed on the left. Upper triangle only.
-inline void AddPoseBlock(const View& view, Matrix6d& block, Vector6d& gradient) {
-  const double x = view.point_in_camera.x(), y = view.point_in_camera.y(), z = view.point_in_camera.z();
-  const double c00 = y * view.xz, c01 = z * view.xx - x * view.xz, c02 = -y * view.xx;
-  const double c10 = y * view.yz - z * view.yy, c11 = -x * view.yz, c12 = x * view.yy;
-  const double c20 = y * view.zz - z * view.yz, c21 = z * view.xz - x * view.zz, c22 = x * view.yz - y * view.xz;
-  block(0, 0) += view.xx;
-  block(0, 2) += view.xz;
-  block(1, 1) += view.yy;
-  block(1, 2) += view.yz;
-  block(2, 2) += view.zz;
-  block(0, 3) += c00;
-  block(1, 3) += c10;
-  block(2, 3) += c20;
-  block(0, 4) += c01;
-  block(1, 4) += c11;
-  block(2, 4) += c21;
-  block(0, 5) += c02;
-  block(1, 5) += c12;
-  block(2, 5) += c22;
-  block(3, 3) += y * c20 - z * c10;
-  block(3, 4) += y * c21 - z * c11;
-  block(4, 4) += z * c01 - x * c21;
-  block(3, 5) += y * c22 - z * c12;
-  block(4, 5) += z * c02 - x * c22;
-  block(5, 5) += x * c12 - y * c02;
-  gradient.head<3>() += view.gradient;
-  gradient.tail<3>() += view.point_in_camera.cross(view.gradient);
-}
-
 class LocalBundle {
  public:
-  LocalBundle(const BundlePhase& phase, BundleState& state) : phase_(phase), state_(state) {
-    AddCameras();
-    AddTracks();
-    const std::size_t poses = free_poses_.size();
+  LocalBundle(const BundlePhase& phase, BundleState& state)
+      : phase_(phase),
+        state_(state),
+        layout_(MakeLayout(phase, state)),
+        trial_cameras_(layout_.cameras),
+        trial_poses_(state.camera_from_map),
+        trial_points_(state.point_in_map) {
+    const std::size_t poses = layout_.free_poses.size();
     equations_.pose_block.resize(poses);
     equations_.pose_gradient.resize(poses);
-    equations_.point_block.resize(tracks_.size());
-    equations_.point_gradient.resize(tracks_.size());
-    equations_.mixed_block.resize(measurements_.size());
+    equations_.point_block.resize(layout_.tracks.size());
+    equations_.point_gradient.resize(layout_.tracks.size());
+    equations_.mixed_block.resize(layout_.measurements.size());
     step_.poses.resize(static_cast<Eigen::Index>(6 * poses));
-    step_.points.assign(tracks_.size(), Eigen::Vector3d::Zero());
+    step_.points.assign(layout_.tracks.size(), Eigen::Vector3d::Zero());
     reduced_.resize(step_.poses.size(), step_.poses.size());
     reduced_gradient_.resize(step_.poses.size());
-    inverse_.resize(tracks_.size());
+    inverse_.resize(layout_.tracks.size());
   }
 
   PhaseOutcome Run() {
@@ -207,82 +99,24 @@ class LocalBundle {
   }
 
  private:
-  void AddCameras() {
-    const BundleProblem& problem = phase_.problem;
-    for (std::size_t i = 0; i < problem.poses.size(); ++i) {
-      const BundlePose& pose = problem.poses[i];
-      const IdealCamera& ideal = problem.cameras[pose.camera];
-      Camera camera{state_.camera_from_map[i].rotation().toRotationMatrix(),
-                    state_.camera_from_map[i].translation(),
-                    ideal.focal_x,
-                    ideal.focal_y,
-                    ideal.center_x,
-                    ideal.center_y,
-                    ideal.baseline,
-                    -1};
-      if (!pose.fixed) {
-        camera.variable = static_cast<int>(free_poses_.size());
-        free_poses_.push_back(static_cast<int>(i));
-      }
-      cameras_.push_back(camera);
-    }
-    trial_cameras_ = cameras_;
-    trial_poses_ = state_.camera_from_map;
-  }
-
-  // Sorts the active observations by point, and by free pose within a point, fixed poses last.
-  void AddTracks() {
-    const BundleProblem& problem = phase_.problem;
-    std::vector<int> order;
-    order.reserve(problem.observations.size());
-    for (std::size_t i = 0; i < problem.observations.size(); ++i) {
-      if (phase_.active[i] != 0) order.push_back(static_cast<int>(i));
-    }
-    const auto key = [&](int index) {
-      const BundleObservation& observation = problem.observations[index];
-      const auto variable = static_cast<unsigned>(cameras_[observation.pose].variable);  // -1 becomes the largest
-      return std::tuple(observation.point, variable, observation.pose, index);
-    };
-    std::sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
-    measurements_.reserve(order.size());
-    for (const int index : order) AddMeasurement(problem.observations[index]);
-    trial_points_ = state_.point_in_map;
-  }
-
-  void AddMeasurement(const BundleObservation& observation) {
-    const bool stereo = IsStereo(observation.measurement);
-    const double bend = stereo ? phase_.options.stereo_chi2 : phase_.options.monocular_chi2;
-    const int position = static_cast<int>(measurements_.size());
-    measurements_.push_back({observation.measurement.x(), observation.measurement.y(), observation.measurement.z(),
-                             observation.inverse_sigma * observation.inverse_sigma,
-                             phase_.robust ? bend : std::numeric_limits<double>::max(), observation.pose, stereo});
-    if (tracks_.empty() || tracks_.back().point != observation.point) {
-      const bool fixed = phase_.problem.points[observation.point].fixed;
-      tracks_.push_back({position, position, position, observation.point, fixed});
-    }
-    Track& track = tracks_.back();
-    track.end = position + 1;
-    if (cameras_[observation.pose].variable >= 0) track.free_end = position + 1;
-  }
-
   // Fills the equations at the current state; returns the sum of the kernel of the squared residuals.
   double Linearize() {
     std::fill(equations_.pose_block.begin(), equations_.pose_block.end(), Matrix6d::Zero());
     std::fill(equations_.pose_gradient.begin(), equations_.pose_gradient.end(), Vector6d::Zero());
     double cost = 0.0;
-    for (std::size_t t = 0; t < tracks_.size(); ++t) cost += LinearizeTrack(t);
+    for (std::size_t t = 0; t < layout_.tracks.size(); ++t) cost += LinearizeTrack(t);
     return cost;
   }
 
   double LinearizeTrack(std::size_t t) {
-    const Track& track = tracks_[t];
+    const Track& track = layout_.tracks[t];
     const Eigen::Vector3d point_in_map = state_.point_in_map[track.point];
     Eigen::Matrix3d point_block = Eigen::Matrix3d::Zero();
     Eigen::Vector3d point_gradient = Eigen::Vector3d::Zero();
     double cost = 0.0;
     for (int m = track.begin; m < track.end; ++m) {
-      const Camera& camera = cameras_[measurements_[m].camera];
-      const View view = LookAt(camera, measurements_[m], point_in_map);
+      const Camera& camera = layout_.cameras[layout_.measurements[m].camera];
+      const View view = LookAt(camera, layout_.measurements[m], point_in_map);
       cost += view.cost;
       const int variable = camera.variable;
       if (variable >= 0) AddPoseBlock(view, equations_.pose_block[variable], equations_.pose_gradient[variable]);
@@ -315,16 +149,16 @@ class LocalBundle {
   // positive definite in floating point.
   bool SolveStep(double damping) {
     StartReducedSystem(damping);
-    for (std::size_t t = 0; t < tracks_.size(); ++t) {
-      if (!tracks_[t].fixed) Eliminate(t, damping);
+    for (std::size_t t = 0; t < layout_.tracks.size(); ++t) {
+      if (!layout_.tracks[t].fixed) Eliminate(t, damping);
     }
     if (reduced_.size() > 0) {
       factor_.compute(reduced_.selfadjointView<Eigen::Lower>());
       if (factor_.info() != Eigen::Success) return false;
       step_.poses = -factor_.solve(reduced_gradient_);
     }
-    for (std::size_t t = 0; t < tracks_.size(); ++t) {
-      if (!tracks_[t].fixed) Substitute(t);
+    for (std::size_t t = 0; t < layout_.tracks.size(); ++t) {
+      if (!layout_.tracks[t].fixed) Substitute(t);
     }
     Predict(damping);
     return step_.poses.allFinite() && std::isfinite(step_.predicted_decrease);
@@ -332,7 +166,7 @@ class LocalBundle {
 
   void StartReducedSystem(double damping) {
     reduced_.setZero();
-    for (std::size_t i = 0; i < free_poses_.size(); ++i) {
+    for (std::size_t i = 0; i < layout_.free_poses.size(); ++i) {
       const auto at = static_cast<Eigen::Index>(6 * i);
       Matrix6d block = equations_.pose_block[i].selfadjointView<Eigen::Upper>();
       for (int k = 0; k < 6; ++k) block(k, k) += Damped(block(k, k), damping);
@@ -343,7 +177,7 @@ class LocalBundle {
 
   // Subtracts W V^-1 W' of one point from the lower triangle of the reduced system.
   void Eliminate(std::size_t t, double damping) {
-    const Track& track = tracks_[t];
+    const Track& track = layout_.tracks[t];
     Eigen::Matrix3d block = equations_.point_block[t];
     for (int k = 0; k < 3; ++k) block(k, k) += Damped(block(k, k), damping);
     inverse_[t] = block.inverse();
@@ -362,7 +196,7 @@ class LocalBundle {
   }
 
   void Substitute(std::size_t t) {
-    const Track& track = tracks_[t];
+    const Track& track = layout_.tracks[t];
     Eigen::Vector3d right = equations_.point_gradient[t];
     for (int m = track.begin; m < track.free_end; ++m) {
       right.noalias() += equations_.mixed_block[m].transpose() * step_.poses.segment<6>(6 * VariableOf(m));
@@ -373,13 +207,13 @@ class LocalBundle {
   // The decrease of the (doubled) cost by the quadratic model: step' (damping D step - gradient).
   void Predict(double damping) {
     double decrease = 0.0;
-    for (std::size_t i = 0; i < free_poses_.size(); ++i) {
+    for (std::size_t i = 0; i < layout_.free_poses.size(); ++i) {
       const Vector6d step = step_.poses.segment<6>(static_cast<Eigen::Index>(6 * i));
       decrease -= step.dot(equations_.pose_gradient[i]);
       for (int k = 0; k < 6; ++k) decrease += Damped(equations_.pose_block[i](k, k), damping) * step(k) * step(k);
     }
-    for (std::size_t t = 0; t < tracks_.size(); ++t) {
-      if (tracks_[t].fixed) continue;
+    for (std::size_t t = 0; t < layout_.tracks.size(); ++t) {
+      if (layout_.tracks[t].fixed) continue;
       const Eigen::Vector3d& step = step_.points[t];
       decrease -= step.dot(equations_.point_gradient[t]);
       for (int k = 0; k < 3; ++k) decrease += Damped(equations_.point_block[t](k, k), damping) * step(k) * step(k);
@@ -389,20 +223,20 @@ class LocalBundle {
 
   // Applies the step to the trial state; returns the trial's cost.
   double TrialCost() {
-    for (std::size_t i = 0; i < free_poses_.size(); ++i) {
-      const int pose = free_poses_[i];
+    for (std::size_t i = 0; i < layout_.free_poses.size(); ++i) {
+      const int pose = layout_.free_poses[i];
       const Vector6d step = step_.poses.segment<6>(static_cast<Eigen::Index>(6 * i));
       trial_poses_[pose] = Rigid3d::Exp(step) * state_.camera_from_map[pose];
       trial_cameras_[pose].rotation = trial_poses_[pose].rotation().toRotationMatrix();
       trial_cameras_[pose].translation = trial_poses_[pose].translation();
     }
     double cost = 0.0;
-    for (std::size_t t = 0; t < tracks_.size(); ++t) {
-      const Track& track = tracks_[t];
+    for (std::size_t t = 0; t < layout_.tracks.size(); ++t) {
+      const Track& track = layout_.tracks[t];
       Eigen::Vector3d& point_in_map = trial_points_[track.point];
       if (!track.fixed) point_in_map = state_.point_in_map[track.point] + step_.points[t];
       for (int m = track.begin; m < track.end; ++m) {
-        const Measurement& measurement = measurements_[m];
+        const Measurement& measurement = layout_.measurements[m];
         double weight = 1.0;
         const double squared = Project(trial_cameras_[measurement.camera], measurement, point_in_map).squared;
         cost += Huber(squared, measurement.bend, weight);
@@ -414,19 +248,17 @@ class LocalBundle {
   void TakeTrial() {
     std::swap(state_.camera_from_map, trial_poses_);
     std::swap(state_.point_in_map, trial_points_);
-    std::swap(cameras_, trial_cameras_);
+    std::swap(layout_.cameras, trial_cameras_);
   }
 
-  int VariableOf(int measurement) const { return cameras_[measurements_[measurement].camera].variable; }
+  int VariableOf(int measurement) const { return layout_.cameras[layout_.measurements[measurement].camera].variable; }
 
   const BundlePhase& phase_;
   BundleState& state_;
-  std::vector<Camera> cameras_, trial_cameras_;  // per pose
+  Layout layout_;
+  std::vector<Camera> trial_cameras_;
   std::vector<Rigid3d> trial_poses_;
   std::vector<Eigen::Vector3d> trial_points_;
-  std::vector<int> free_poses_;
-  std::vector<Measurement> measurements_;
-  std::vector<Track> tracks_;
   Equations equations_;
   Eigen::MatrixXd reduced_;
   Eigen::VectorXd reduced_gradient_;

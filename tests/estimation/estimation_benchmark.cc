@@ -48,7 +48,7 @@ void LocalBundle(benchmark::State& state, BundleSolver solver) {
   BundleWorldOptions world_options;
   world_options.free_poses = 15;
   world_options.fixed_poses = 20;
-  world_options.points = 1150;
+  world_options.points = 660;
   world_options.outlier_ratio = 0.05;
   world_options.seen_ratio = 0.45;
   const BundleWorld world = MakeBundleWorld(1, world_options);
