@@ -10,7 +10,7 @@ namespace {
 // Wanted corners per cell. One spreads more strictly but takes many weak corners that are not found again: with four, a
 // fifth more corners are matched after a change of view.
 constexpr std::size_t kFairShare = 4;
-constexpr std::size_t kKeptPerCell = 32;
+constexpr std::size_t kKeptPerCell = 16;
 constexpr float kLeastCellSize = 8.0F;  // pixels
 
 // The best corners of a cell, the best first; of equal scores the first in reading order.

@@ -47,6 +47,26 @@ void CostsOfGroup(const GradientBlock& block, const std::uint8_t* corner, std::p
 }
 #endif
 
+// The two halves of the Sobel filter, in 16 bits so that the compiler uses as many lanes as it can.
+void SumColumns(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below,
+                std::span<std::int16_t> sums) {
+  for (std::size_t x = 0; x < sums.size(); ++x) {
+    sums[x] = static_cast<std::int16_t>(above[x] + 2 * here[x] + below[x]);
+  }
+}
+
+void DifferRow(std::span<const std::int16_t> sums, std::uint8_t* out) {
+  constexpr int kShift = 2;  // the Sobel sum is 8 times the gradient
+  static_assert((8 >> kShift) == RowGradient::kUnitsPerLevel);
+  constexpr std::int16_t kLimit = RowGradient::kZero - 1;
+  for (std::size_t x = 1; x + 1 < sums.size(); ++x) {
+    const auto difference = static_cast<std::int16_t>(sums[x + 1] - sums[x - 1]);
+    const auto units =
+        std::clamp(static_cast<std::int16_t>(difference >> kShift), static_cast<std::int16_t>(-kLimit), kLimit);
+    out[x] = static_cast<std::uint8_t>(units + RowGradient::kZero);
+  }
+}
+
 // The least cost outside of the valley around `best`: where costs no longer rise on the way out.
 int SecondCost(std::span<const std::uint16_t> costs, std::size_t best) {
   constexpr std::size_t kLeastReach = 2;
@@ -64,20 +84,15 @@ int SecondCost(std::span<const std::uint16_t> costs, std::size_t best) {
 void RowGradient::Build(const cv::Mat& image) {
   PANGAEA_CHECK(image.type() == CV_8UC1);
   buffer_.create(image.rows, image.cols + 2 * kMargin, CV_8UC1);
-  buffer_.setTo(kZero);
   view_ = buffer_(cv::Rect(kMargin, 0, image.cols, image.rows));
+  const auto width = static_cast<std::size_t>(image.cols);
+  column_sums_.resize(width);
   for (int y = 0; y < image.rows; ++y) {
-    const std::uint8_t* above = image.ptr<std::uint8_t>(std::max(y - 1, 0));
-    const std::uint8_t* here = image.ptr<std::uint8_t>(y);
-    const std::uint8_t* below = image.ptr<std::uint8_t>(std::min(y + 1, image.rows - 1));
-    std::uint8_t* out = view_.ptr<std::uint8_t>(y);
-    for (int x = 1; x < image.cols - 1; ++x) {
-      const auto sobel = static_cast<std::int16_t>((above[x + 1] - above[x - 1]) + 2 * (here[x + 1] - here[x - 1]) +
-                                                   (below[x + 1] - below[x - 1]));
-      // The Sobel sum is 8 times the gradient.
-      const auto units = static_cast<std::int16_t>(sobel / (8 / kUnitsPerLevel));
-      out[x] = static_cast<std::uint8_t>(kZero + std::clamp<std::int16_t>(units, -kZero + 1, kZero - 1));
-    }
+    SumColumns(image.ptr<std::uint8_t>(std::max(y - 1, 0)), image.ptr<std::uint8_t>(y),
+               image.ptr<std::uint8_t>(std::min(y + 1, image.rows - 1)), column_sums_);
+    std::memset(buffer_.ptr<std::uint8_t>(y), kZero, kMargin + 1);
+    std::memset(view_.ptr<std::uint8_t>(y) + width - 1, kZero, kMargin + 1);
+    DifferRow(column_sums_, view_.ptr<std::uint8_t>(y));
   }
 }
 

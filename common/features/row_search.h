@@ -26,6 +26,7 @@ class RowGradient {
  private:
   cv::Mat buffer_;
   cv::Mat view_;  // of buffer_, without the margin
+  std::vector<std::int16_t> column_sums_;
 };
 
 // A block of gradients around a pixel, to be found along the rows of another image.

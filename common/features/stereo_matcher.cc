@@ -5,18 +5,18 @@
 #include <cmath>
 
 #include "common/base/check.h"
-#include "common/features/patch_alignment.h"
 #include "common/features/patch_pyramid.h"
+#include "common/features/row_alignment.h"
 #include "common/features/row_search.h"
 
 namespace pangaea {
 namespace {
 
-constexpr int kLevels = 3;  // of halving: the coarsest octave is reduced by 3.6
+constexpr int kLevels = 2;  // of halving: the coarsest octave is reduced by 3.6
 
-// The level whose pixel is nearest to the octave's.
+// The coarsest level that shows all the octave does: a level between would lose accuracy.
 int LevelOf(int octave) {
-  return std::clamp(static_cast<int>(std::lround(std::log2(OctaveSigma(octave)))), 0, kLevels - 1);
+  return std::clamp(static_cast<int>(std::floor(std::log2(OctaveSigma(octave)))), 0, kLevels - 1);
 }
 
 struct DisparityRange {
@@ -126,18 +126,20 @@ StereoMatcher::Workspace::Outcome StereoMatcher::Workspace::MatchOne(const Stere
   if (block.Texture() < options.min_texture) return Outcome::kNoTexture;
   const int least = static_cast<int>(std::floor(range.least / scale));
   const int most = static_cast<int>(std::ceil(range.most / scale));
-  const auto there = search.Find(block, right_gradient, x - most, x - least, y, options.row_tolerance);
+  auto there = search.Find(block, right_gradient, x - most, x - least, y, 0);
   if (!there) return Outcome::kOutOfRange;
   if (there->cost > options.uniqueness * there->second_cost) return Outcome::kAmbiguous;
+  // The row itself finds the place; the rows around it may show it better.
+  constexpr int kColumnsAround = 2;
+  there = search.Find(block, right_gradient, there->x - kColumnsAround, there->x + kColumnsAround, y,
+                      options.row_tolerance);
 
   const GradientBlock found = GradientBlock::At(right_gradient, there->x, there->y);
   const auto back = search.Find(found, left_gradient, there->x + least, there->x + most, y, 0);
   if (!back || std::abs(back->x - x) > options.consistency) return Outcome::kInconsistent;
 
-  constexpr float kMaxDrift = 1.5F;  // of the search's whole-pixel answer, pixels of the level
-  constexpr float kRowSigma = 0.3F;
   const cv::Point2f start = pixel + cv::Point2f(static_cast<float>(there->x - x), static_cast<float>(there->y - y));
-  const auto aligned = AlignPatch(left.levels[l], pixel, right.levels[l], start, kMaxDrift, kRowSigma);
+  const auto aligned = AlignAlongRow(left.levels[l], pixel, right.levels[l], start);
   if (!aligned || aligned->correlation < options.min_correlation) return Outcome::kNotAligned;
   const float u_right = QuantizePixel(aligned->position.x * scale);
   if (keypoint.u - u_right < static_cast<float>(options.min_disparity) || u_right < 0.0F) return Outcome::kOutOfRange;

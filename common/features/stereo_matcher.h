@@ -24,11 +24,11 @@ struct StereoOptions {
   // row.
   double min_texture = 2.0;
   // The best matching cost must be below this share of the best cost elsewhere on the row: repeated texture is refused.
-  double uniqueness = 0.8;
+  double uniqueness = 0.9;
   // The match from right to left must come back to within this many pixels (of the level searched).
   int consistency = 1;
   // Normalised correlation of the aligned patches.
-  double min_correlation = 0.8;
+  double min_correlation = 0.85;
 
   Status Check() const;
 };
