@@ -258,6 +258,7 @@ Status UplinkOptions::Check() const {
 Result<std::unique_ptr<UplinkThread>> UplinkThread::Start(const Participant& participant, SessionAnnouncement session,
                                                           UplinkOptions options) {
   if (const Status status = options.Check(); !status) return tl::make_unexpected(status.error());
+  if (options.spill_path.empty()) options.spill_path = "pangaea-" + ToString(session.session) + ".spill";
   auto session_writer = Writer<SessionAnnouncement>::Open(participant);
   if (!session_writer) return tl::make_unexpected(session_writer.error());
   auto edits = Writer<Envelope>::Open(participant);

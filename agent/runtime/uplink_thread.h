@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "agent/uplink/retained_edits.h"
@@ -20,8 +21,9 @@ struct UplinkOptions {
   RetainedEditsOptions retained;
   std::size_t envelope_bytes = 200'000;  // edits are split at about this size, at which DDS is fastest
   std::size_t queue_batches = 64;        // mapping waits when the uplink is this far behind
-  // Where envelopes go when memory is full, and what is left unsent at the end.
-  std::filesystem::path spill_path = "pangaea-uplink.spill";
+  // Where envelopes go when memory is full, and what is left unsent at the end. Empty: pangaea-<session>.spill in the
+  // current folder.
+  std::filesystem::path spill_path;
 
   Status Check() const;
 };
