@@ -22,7 +22,7 @@ constexpr int kAttempts = 40;
 constexpr double kStartSpacing = 0.31;  // turns
 constexpr double kLookAhead = 1.6;      // metres: the nose points at where the body will be
 // How the speed swings about its mean.
-constexpr double kSpeedSwing = 0.25;
+constexpr double kSpeedSwing = 0.22;
 constexpr double kSpeedPeriod = 7.3;  // seconds
 // Offset from the round, never the same twice because the periods share no multiple.
 constexpr double kWobble = 0.05;  // metres per axis; within what min_clearance leaves

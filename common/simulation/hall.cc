@@ -12,15 +12,11 @@
 namespace pangaea {
 namespace {
 
-constexpr double kLightSpacing = 0.22;  // metres between samples of the light
+constexpr double kLightSpacing = 0.25;  // metres between samples of the light
 // Parts of the seed.
 constexpr std::uint64_t kFurniture = 1;
 constexpr std::uint64_t kPictures = 2;
 constexpr std::uint64_t kOccluders = 3;
-// Occluders walk between the middle and the flights' round.
-constexpr double kOccluderRadiusX = 4.9;
-constexpr double kOccluderRadiusY = 3.1;
-
 LightGrid Glow() { return {2, 2, {1.0F, 1.0F, 1.0F, 1.0F}}; }
 
 std::uint64_t PictureSeed(const HallOptions& options, const PlannedSurface& surface, std::size_t index) {
@@ -28,10 +24,10 @@ std::uint64_t PictureSeed(const HallOptions& options, const PlannedSurface& surf
   return MixSeed(pictures, options.repetitive ? static_cast<std::uint64_t>(surface.material) : 1000 + index);
 }
 
-Surface Paint(const PlannedSurface& planned, std::uint64_t seed, const LightGrid& light) {
+Surface Paint(const PlannedSurface& planned, std::uint64_t seed, const LightGrid& light, double coarseness) {
   Surface surface = planned.surface;
-  surface.texture =
-      PaintMaterial(planned.material, seed, surface.along.norm(), surface.across.norm(), planned.texel, light);
+  surface.texture = PaintMaterial(planned.material, seed, surface.along.norm(), surface.across.norm(),
+                                  coarseness * planned.texel, light);
   return surface;
 }
 
@@ -49,11 +45,11 @@ Occluder MakeOccluder(std::uint64_t seed) {
   Random random(seed);
   Occluder occluder;
   for (const PlannedSurface& planned : PlanOccluder(random.Next()).surfaces) {
-    occluder.surfaces.push_back(Paint(planned, random.Next(), Glow()));
+    occluder.surfaces.push_back(Paint(planned, random.Next(), Glow(), 1.0));
   }
   occluder.phase = random.Unit();
-  occluder.radius_x = kOccluderRadiusX + random.Uniform(-0.2, 0.2);
-  occluder.radius_y = kOccluderRadiusY + random.Uniform(-0.2, 0.2);
+  occluder.radius_x = random.Uniform(4.5, 8.0);
+  occluder.radius_y = random.Uniform(2.8, 5.4);
   occluder.period = random.Uniform(25.0, 40.0) * (random.Chance(0.5) ? 1.0 : -1.0);
   return occluder;
 }
@@ -67,8 +63,9 @@ Scene BuildHall(const HallOptions& options) {
   scene.surfaces.resize(plan.surfaces.size());
   ForEachIndex(plan.surfaces.size(), options.jobs, [&](std::size_t i) {
     const PlannedSurface& planned = plan.surfaces[i];
-    const LightGrid light = planned.glowing ? Glow() : lighting.Light(planned.surface, kLightSpacing);
-    scene.surfaces[i] = Paint(planned, PictureSeed(options, planned, i), light);
+    const LightGrid light =
+        planned.glowing ? Glow() : lighting.Light(planned.surface, kLightSpacing * options.coarseness);
+    scene.surfaces[i] = Paint(planned, PictureSeed(options, planned, i), light, options.coarseness);
   });
   for (int i = 0; i < options.occluders; ++i) {
     scene.occluders.push_back(MakeOccluder(MixSeed(MixSeed(options.seed, kOccluders), static_cast<std::uint64_t>(i))));

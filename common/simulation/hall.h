@@ -12,6 +12,8 @@ struct HallOptions {
   bool repetitive = false;
   // Boxes as large as people that go round the hall. They are not part of the map's truth.
   int occluders = 0;
+  // Texels this many times larger than cameras deserve: a coarse hall is ready sooner, for tests.
+  double coarseness = 1.0;
   // Threads that paint the textures. The result does not depend on it.
   int jobs = 1;
 };

@@ -41,8 +41,12 @@ Lighting::Lighting(const Scene& scene, std::vector<Eigen::Vector3d> lamps) : lam
 
 LightGrid Lighting::Light(const Surface& surface, double spacing) const {
   const auto samples = [spacing](double size) { return std::max(static_cast<int>(size / spacing) + 1, 2); };
-  LightGrid grid{samples(surface.along.norm()), samples(surface.across.norm()), {}};
   const Eigen::Vector3d normal = surface.across.cross(surface.along).normalized();
+  if (surface.along.norm() < spacing && surface.across.norm() < spacing) {
+    const Eigen::Vector3d middle = surface.corner + 0.5 * (surface.along + surface.across);
+    return {1, 1, {At(middle + kLift * normal, normal)}};
+  }
+  LightGrid grid{samples(surface.along.norm()), samples(surface.across.norm()), {}};
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
       // Off the very edge, where the next wall would swallow the sample.

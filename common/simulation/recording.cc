@@ -43,6 +43,7 @@ Status RecordingOptions::Check() const {
   if (!(exposure_time > 0.0 && exposure_time <= 1.0 / rate)) return Refuse("exposure time must fit between two images");
   if (occluders < 0 || occluders > 50) return Refuse("occluders must be 0 to 50");
   if (!(speed >= 0.1 && speed <= 3.0)) return Refuse("speed must be 0.1 to 3 m/s");
+  if (!(coarseness >= 1.0 && coarseness <= 10.0)) return Refuse("coarseness must be 1 to 10");
   if (jobs < 1 || jobs > 256) return Refuse("jobs must be 1 to 256");
   for (const auto& [from, to] : blackouts) {
     if (!(from >= 0.0 && to > from)) return Refuse("a blackout must end after it begins, both in seconds from 0");
@@ -77,7 +78,8 @@ CameraRig SimulatedRig(SensorKind sensor) {
 
 Recording::Recording(const RecordingOptions& options) : options_(options), rig_(SimulatedRig(options.sensor)) {
   PANGAEA_CHECK(options.Check().has_value());
-  scene_ = BuildHall({MixSeed(options.seed, kHallSeed), options.repetitive, options.occluders, options.jobs});
+  scene_ = BuildHall(
+      {MixSeed(options.seed, kHallSeed), options.repetitive, options.occluders, options.coarseness, options.jobs});
   for (int session = 0; session < options.sessions; ++session) {
     FlightOptions flight;
     flight.seed = MixSeed(options.seed, kFlightSeed);
@@ -152,9 +154,11 @@ cv::Mat FramePainter::PaintCamera(Camera& camera, int session, double seconds, s
   for (int i = 0; i < options.blur; ++i) {
     const double at = seconds + ((i + 0.5) / options.blur - 0.5) * options.exposure_time;
     surfaces_.resize(recording_.scene().surfaces.size());
-    for (const Occluder& occluder : recording_.scene().occluders) occluder.AppendSurfaces(at, surfaces_);
-    const Rigid3d body_from_world = recording_.flight(session).WorldFromBody(at).Inverse();
-    camera.renderer.Render(surfaces_, camera.camera_from_body * body_from_world, i == 0 ? sum_ : light_);
+    const Rigid3d world_from_body = recording_.flight(session).WorldFromBody(at);
+    for (const Occluder& occluder : recording_.scene().occluders) {
+      occluder.AppendSurfaces(at, world_from_body.translation(), surfaces_);
+    }
+    camera.renderer.Render(surfaces_, camera.camera_from_body * world_from_body.Inverse(), i == 0 ? sum_ : light_);
     if (i > 0) cv::add(sum_, light_, sum_);
   }
   return camera.sensor.Expose(sum_, recording_.Exposure(session, seconds) / options.blur, noise_seed);

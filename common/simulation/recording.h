@@ -29,8 +29,9 @@ struct RecordingOptions {
   std::vector<std::pair<double, double>> blackouts;  // seconds from and to: dark noise
   int occluders = 0;
   bool repetitive = false;
-  double speed = 1.0;  // metres a second
-  int jobs = 1;        // threads; the result does not depend on it
+  double speed = 1.0;       // metres a second
+  double coarseness = 1.0;  // of the hall's pictures, see HallOptions
+  int jobs = 1;             // threads; the result does not depend on it
 
   Status Check() const;
 };

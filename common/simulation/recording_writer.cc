@@ -107,9 +107,9 @@ Status WriteTables(const Recording& recording, int session, const fs::path& fold
 }
 
 Status WriteImage(const fs::path& path, const cv::Mat& image) {
-  // Noise does not compress: horizontal differences and run lengths are all that is worth the time.
-  static const std::vector<int> kParameters = {cv::IMWRITE_PNG_COMPRESSION, 1, cv::IMWRITE_PNG_STRATEGY,
-                                               cv::IMWRITE_PNG_STRATEGY_RLE};
+  // Noise does not compress: differences between neighbours (the encoder's default) and a code for them are all that
+  // is worth the time. Naming a compression level would make the encoder try five filters for each row.
+  static const std::vector<int> kParameters = {cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_HUFFMAN_ONLY};
   std::vector<unsigned char> bytes;
   try {
     if (!cv::imencode(".png", image, bytes, kParameters)) {

@@ -41,6 +41,12 @@ Footprint FootprintAt(const PreparedSurface& p, const SurfacePoint& at, const Ra
           t_x * step.x_column + t_y * step.y_column, t_x * step.x_row + t_y * step.y_row};
 }
 
+// The filter of a surface in one row of a tile, found at its first pixel there: it hardly changes along sixteen.
+struct RowFilter {
+  std::int32_t surface = -1;
+  TextureFilter filter;
+};
+
 // A tile's place in the picture.
 struct TilePlace {
   int index;
@@ -71,7 +77,10 @@ class Renderer::Picture {
   void TraceTile(const TilePlace& tile);
   void RepeatBorder();
   void ShadeTile(const TilePlace& tile, const std::vector<Surface>& surfaces, cv::Mat& image);
-  void ShadeSinglePixels(const TilePlace& tile, int first, const std::vector<Surface>& surfaces, float* values);
+  void ShadeSinglePixels(const TilePlace& tile, int first, const std::vector<Surface>& surfaces, RowFilter& known,
+                         float* values);
+  void FindFilter(const TilePlace& tile, std::int32_t surface, const Texture& texture, int pixel,
+                  RowFilter& known) const;
   int FindEdges(const TilePlace& tile);
   void ShadeEdges(const TilePlace& tile, int count, const std::vector<Surface>& surfaces, cv::Mat& image);
   TextureFilter FilterAt(const TilePlace& tile, std::int32_t surface, const Texture& texture, float x, float y,
@@ -125,41 +134,43 @@ TextureFilter Renderer::Picture::FilterAt(const TilePlace& tile, std::int32_t su
 }
 
 void Renderer::Picture::ShadeTile(const TilePlace& tile, const std::vector<Surface>& surfaces, cv::Mat& image) {
+  RowFilter known;
   for (int first = 0; first < kTilePixels; first += kRun) {
+    if (first % kTileWidth == 0) known.surface = -1;
     const int row = tile.top + first / kTileWidth;
     const int column = tile.left + first % kTileWidth;
     const std::int32_t* ids = Nearest(column, row);
     float* values = image.ptr<float>(row) + column;
     const bool uniform =
         ids[0] >= 0 && std::all_of(ids + 1, ids + kRun, [ids](std::int32_t id) { return id == ids[0]; });
-    if (!uniform) {
-      ShadeSinglePixels(tile, first, surfaces, values);
-      continue;
+    if (uniform) {
+      const Texture& texture = *surfaces[static_cast<std::size_t>(ids[0])].texture;
+      FindFilter(tile, ids[0], texture, first + kRun - 1, known);
+      ShadeRun(candidates_.prepared(ids[0]), texture, known.filter, tile.x + first, tile.y + first, values);
+    } else {
+      ShadeSinglePixels(tile, first, surfaces, known, values);
     }
-    const Texture& texture = *surfaces[static_cast<std::size_t>(ids[0])].texture;
-    const int middle = first + kRun / 2;
-    const TextureFilter filter = FilterAt(tile, ids[0], texture, tile.x[middle], tile.y[middle], kMaxProbes);
-    ShadeRun(candidates_.prepared(ids[0]), texture, filter, tile.x + first, tile.y + first, values);
   }
   ShadeEdges(tile, FindEdges(tile), surfaces, image);
 }
 
+void Renderer::Picture::FindFilter(const TilePlace& tile, std::int32_t surface, const Texture& texture, int pixel,
+                                   RowFilter& known) const {
+  if (known.surface == surface) return;
+  known = {surface, FilterAt(tile, surface, texture, tile.x[pixel], tile.y[pixel], kMaxProbes)};
+}
+
 void Renderer::Picture::ShadeSinglePixels(const TilePlace& tile, int first, const std::vector<Surface>& surfaces,
-                                          float* values) {
+                                          RowFilter& known, float* values) {
   const std::int32_t* ids = Nearest(tile.left + first % kTileWidth, tile.top + first / kTileWidth);
-  TextureFilter filter;
   for (int i = 0; i < kRun; ++i) {
     values[i] = 0.0F;
     // Pixels between different neighbours are edges and drawn as such.
     if (ids[i] < 0 || ids[i] != ids[i - 1] || ids[i] != ids[i + 1]) continue;
     const Texture& texture = *surfaces[static_cast<std::size_t>(ids[i])].texture;
-    const float x = tile.x[first + i];
-    const float y = tile.y[first + i];
-    if (i == 0 || ids[i - 1] != ids[i - 2] || i % (kRun / 2) == 0) {
-      filter = FilterAt(tile, ids[i], texture, x, y, kMaxProbes);
-    }
-    const SurfacePoint at = Meet(candidates_.prepared(ids[i]), x, y);
-    values[i] = SampleFiltered(texture, filter, at.s, at.t);
+    FindFilter(tile, ids[i], texture, first + i, known);
+    const SurfacePoint at = Meet(candidates_.prepared(ids[i]), tile.x[first + i], tile.y[first + i]);
+    values[i] = SampleFiltered(texture, known.filter, at.s, at.t);
   }
 }
 

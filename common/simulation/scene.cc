@@ -18,9 +18,14 @@ double Scene::Clearance(const Eigen::Vector3d& point) const {
   return clearance;
 }
 
-void Occluder::AppendSurfaces(double seconds, std::vector<Surface>& surfaces_out) const {
+void Occluder::AppendSurfaces(double seconds, const Eigen::Vector3d& body_in_world,
+                              std::vector<Surface>& surfaces_out) const {
+  constexpr double kReach = 1.2;  // metres
   const double angle = 2.0 * std::numbers::pi * (phase + seconds / period);
-  const Eigen::Vector3d foot(radius_x * std::cos(angle), radius_y * std::sin(angle), 0.0);
+  Eigen::Vector3d foot(radius_x * std::cos(angle), radius_y * std::sin(angle), 0.0);
+  const Eigen::Vector2d away = foot.head<2>() - body_in_world.head<2>();
+  const double distance = std::max(away.norm(), 1e-6);
+  if (distance < kReach) foot.head<2>() += (kReach - distance) / distance * away;
   for (Surface surface : surfaces) {
     surface.corner += foot;
     surfaces_out.push_back(std::move(surface));

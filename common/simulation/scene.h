@@ -33,15 +33,16 @@ struct Solid {
   double Distance(const Eigen::Vector3d& point) const;
 };
 
-// A box that moves around the hall: the same surfaces, placed anew at every instant.
+// A figure that walks round the hall and gives way to the camera.
 struct Occluder {
   std::vector<Surface> surfaces;  // about its own foot point
   double phase = 0.0;             // of its round, in turns
   double radius_x = 0.0;          // of its round about the middle of the hall, metres
   double radius_y = 0.0;
-  double period = 1.0;  // seconds a round
+  double period = 1.0;  // seconds a round; negative the other way
 
-  void AppendSurfaces(double seconds, std::vector<Surface>& surfaces_out) const;
+  // Adds its surfaces as they are at `seconds`, out of arm's reach of a body at `body_in_world`.
+  void AppendSurfaces(double seconds, const Eigen::Vector3d& body_in_world, std::vector<Surface>& surfaces_out) const;
 };
 
 // What the cameras look at. World frame: z up, origin in the middle of the floor.

@@ -27,6 +27,7 @@ std::vector<std::uint64_t> Digests(const Scene& scene) {
 TEST(Hall, IsTheSameWhateverTheNumberOfThreads) {
   HallOptions options;
   options.seed = 3;
+  options.coarseness = 3.0;
   const Scene one = BuildHall(options);
   options.jobs = 3;
   const Scene three = BuildHall(options);
@@ -41,9 +42,11 @@ TEST(Hall, NoTwoSurfacesShowTheSamePicture) {
 }
 
 TEST(Hall, AnotherSeedIsAnotherHall) {
-  HallOptions other;
+  HallOptions options;
+  options.coarseness = 3.0;
+  HallOptions other = options;
   other.seed = 2;
-  const std::vector<std::uint64_t> one = Digests(BuildHall({}));
+  const std::vector<std::uint64_t> one = Digests(BuildHall(options));
   const std::vector<std::uint64_t> two = Digests(BuildHall(other));
   const std::set<std::uint64_t> of_one(one.begin(), one.end());
   for (const std::uint64_t digest : two) EXPECT_EQ(of_one.count(digest), 0U);

@@ -28,6 +28,7 @@ class RecordingWriter : public testing::Test {
     RecordingOptions options;
     options.sessions = 2;
     options.seconds = 0.2;
+    options.coarseness = 4.0;  // sooner ready
     return options;
   }
 
