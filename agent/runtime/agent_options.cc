@@ -35,11 +35,10 @@ Status ReadAgentConfig(const std::filesystem::path& path, AgentOptions& options)
   reader->Read("features.high_threshold", &tracking.orb.high_threshold, Range{1, 255});
   reader->Read("features.low_threshold", &tracking.orb.low_threshold, Range{1, 255});
   LocalMappingOptions& mapping = options.mapping;
-  reader->Read("mapping.window_keyframes", &mapping.bundle_adjustment.window_keyframes, Range{2, 200});
+  reader->Read("mapping.window_keyframes", &mapping.bundle_adjustment.window_keyframes, Range{2, 60});
   reader->Read("mapping.fixed_keyframes", &mapping.bundle_adjustment.fixed_keyframes, Range{1, 500});
-  reader->Read("mapping.max_iterations", &mapping.bundle_adjustment.max_iterations, Range{1, 100});
+  reader->Read("mapping.iterations", &mapping.bundle_adjustment.iterations, Range{1, 100});
   reader->Read("mapping.pixel_sigma", &mapping.noise.pixel_sigma, Range{0.05, 10.0});
-  reader->Read("mapping.right_sigma", &mapping.noise.right_sigma, Range{0.05, 10.0});
   reader->Read("mapping.search_radius", &mapping.search.radius, Range{0.5, 100.0});
   reader->Read("mapping.redundant_ratio", &mapping.keyframe_culling.redundant_ratio, Range{0.1, 1.0});
   reader->Read("uplink.queue_batches", &options.uplink.queue_batches, Range{1, 10000});

@@ -34,7 +34,7 @@ std::vector<MapTrajectory> MapTrajectories(const AgentRun& run) {
 std::filesystem::path Numbered(const std::filesystem::path& path, std::size_t number) {
   if (number == 1) return path;
   std::filesystem::path numbered = path;
-  numbered.replace_extension("." + std::to_string(number) + path.extension().string());
+  numbered.replace_extension(fmt::format(".{}{}", number, path.extension().string()));
   return numbered;
 }
 
@@ -76,7 +76,7 @@ nlohmann::json ReportOf(const AgentRun& run) {
       {"resends", run.uplink.resends},
       {"rejections", run.uplink.rejections},
       {"acknowledged", run.acknowledged},
-      {"digest", fmt::format("{:016x}", Digest(*run.atlas, run.session))},
+      {"digest", fmt::format("{:016x}", DigestOfSession(*run.atlas, run.session))},
       {"stages", stages},
   };
 }
