@@ -24,8 +24,8 @@ struct ServiceOptions {
   // A snapshot is written when the journal has grown by either, so that recovery stays within 5 s.
   std::uint64_t snapshot_envelopes = 1000;
   std::uint64_t snapshot_bytes = 128U << 20;
-  IngestOptions ingest;
-  StoreOptions store;
+  IngestOptions ingest{};
+  StoreOptions store{};
 
   Status Check() const;
 };

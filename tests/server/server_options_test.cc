@@ -1,0 +1,78 @@
+#include "server/runtime/server_options.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/server/temporary_store.h"
+
+namespace pangaea {
+namespace {
+
+Status LoadText(const std::string& text, ServerOptions& options) {
+  const TemporaryStore place;
+  const auto file = place.path().parent_path() / "server.yaml";
+  std::ofstream(file) << text;
+  return LoadServerOptions(file, options);
+}
+
+TEST(ServerOptions, TheShippedFileHoldsTheDefaults) {
+  ServerOptions shipped;
+  // Other values than the defaults: what the file does not set would stay.
+  shipped.site = "elsewhere";
+  shipped.service.queue_capacity = 1;
+  shipped.service.snapshot_bytes = 1;
+  shipped.status.longest_interval = std::chrono::milliseconds(1);
+  const Status status = LoadServerOptions(PANGAEA_SOURCE_DIR "/config/server.yaml", shipped);
+  ASSERT_TRUE(status) << status.error().message;
+  const ServerOptions defaults;
+  EXPECT_TRUE(shipped.Check());
+  EXPECT_EQ(shipped.site, defaults.site);
+  EXPECT_EQ(shipped.store, defaults.store);
+  EXPECT_EQ(shipped.log_level, defaults.log_level);
+  EXPECT_EQ(shipped.domain.id, defaults.domain.id);
+  EXPECT_EQ(shipped.service.queue_capacity, defaults.service.queue_capacity);
+  EXPECT_EQ(shipped.service.round_envelopes, defaults.service.round_envelopes);
+  EXPECT_EQ(shipped.service.round_bytes, defaults.service.round_bytes);
+  EXPECT_EQ(shipped.service.ingest.max_sessions, defaults.service.ingest.max_sessions);
+  EXPECT_EQ(shipped.service.store.max_bytes, defaults.service.store.max_bytes);
+  EXPECT_EQ(shipped.service.snapshot_envelopes, defaults.service.snapshot_envelopes);
+  EXPECT_EQ(shipped.service.snapshot_bytes, defaults.service.snapshot_bytes);
+  EXPECT_EQ(shipped.status.longest_interval, defaults.status.longest_interval);
+  EXPECT_EQ(shipped.status.shortest_interval, defaults.status.shortest_interval);
+}
+
+TEST(ServerOptions, UnknownKeyIsAnErrorThatNamesIt) {
+  ServerOptions options;
+  const Status status = LoadText("site: hall\nstorre:\n  path: a.db\n", options);
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.error().message.find("storre"), std::string::npos) << status.error().message;
+}
+
+TEST(ServerOptions, ValueOutOfRangeIsAnErrorThatNamesTheKey) {
+  ServerOptions options;
+  const Status status = LoadText("ingest:\n  queue_capacity: 0\n", options);
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.error().message.find("queue_capacity"), std::string::npos) << status.error().message;
+}
+
+TEST(ServerOptions, SizesAreRead) {
+  ServerOptions options;
+  ASSERT_TRUE(LoadText("store:\n  path: b.db\n  max_mib: 3\nsnapshot:\n  every_mib: 5\n", options));
+  EXPECT_EQ(options.store, "b.db");
+  EXPECT_EQ(options.service.store.max_bytes, 3U << 20);
+  EXPECT_EQ(options.service.snapshot_bytes, 5U << 20);
+}
+
+TEST(ServerOptions, BadSiteAndLogLevelAreRefused) {
+  ServerOptions options;
+  options.site = "no spaces";
+  EXPECT_FALSE(options.Check());
+  options.site = "hall";
+  EXPECT_TRUE(options.Check());
+  options.log_level = "loud";
+  EXPECT_FALSE(options.Check());
+}
+
+}  // namespace
+}  // namespace pangaea
