@@ -18,7 +18,7 @@ struct Pairs {
   Eigen::Matrix3d rotations = Eigen::Matrix3d::Zero();  // sum of world_from_body * map_from_body^-1
 };
 
-Pairs Associate(const SessionTrajectory& session, const AbsoluteErrorOptions& options) {
+Pairs Associate(const EvaluatedTrajectory& session, const AbsoluteErrorOptions& options) {
   Pairs pairs;
   for (const StampedPose& pose : session.estimate) {
     const auto truth = InterpolatePose(session.truth, pose.stamp_ns, options);
@@ -72,7 +72,7 @@ double Ratio(std::size_t part, std::size_t whole) {
   return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-SessionError Measure(const SessionTrajectory& session, const Pairs& pairs, const Similarity3d& truth_from_estimate,
+SessionError Measure(const EvaluatedTrajectory& session, const Pairs& pairs, const Similarity3d& truth_from_estimate,
                      std::vector<double>& all_errors) {
   std::vector<double> errors;
   for (std::size_t i = 0; i < pairs.truth.size(); ++i) {
@@ -121,12 +121,12 @@ std::optional<Rigid3d> InterpolatePose(std::span<const StampedPose> truth, std::
   return std::nullopt;
 }
 
-Result<AbsoluteError> EvaluateAbsoluteError(std::span<const SessionTrajectory> sessions,
+Result<AbsoluteError> EvaluateAbsoluteError(std::span<const EvaluatedTrajectory> sessions,
                                             const AbsoluteErrorOptions& options) {
   if (auto status = options.Check(); !status) return tl::make_unexpected(status.error());
   std::vector<Pairs> pairs;
   Pairs all;
-  for (const SessionTrajectory& session : sessions) {
+  for (const EvaluatedTrajectory& session : sessions) {
     pairs.push_back(Associate(session, options));
     all.truth.insert(all.truth.end(), pairs.back().truth.begin(), pairs.back().truth.end());
     all.estimate.insert(all.estimate.end(), pairs.back().estimate.begin(), pairs.back().estimate.end());

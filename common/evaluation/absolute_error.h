@@ -26,7 +26,7 @@ struct AbsoluteErrorOptions {
 };
 
 // What a session's trajectory is compared with.
-struct SessionTrajectory {
+struct EvaluatedTrajectory {
   std::string name;
   std::vector<StampedPose> estimate;  // of the body, in the map's frame
   std::vector<StampedPose> truth;     // of the body, in a world frame common to all sessions evaluated together
@@ -69,7 +69,7 @@ std::optional<Rigid3d> InterpolatePose(std::span<const StampedPose> truth, std::
 // The absolute trajectory error (Sturm et al. 2012) after a closed-form alignment of the positions (Horn 1987). Where
 // those leave the rotation open (a camera that stands still or goes straight on), the orientations decide it, and the
 // scale is 1. Fails when no pose has ground truth.
-Result<AbsoluteError> EvaluateAbsoluteError(std::span<const SessionTrajectory> sessions,
+Result<AbsoluteError> EvaluateAbsoluteError(std::span<const EvaluatedTrajectory> sessions,
                                             const AbsoluteErrorOptions& options = {});
 
 }  // namespace pangaea

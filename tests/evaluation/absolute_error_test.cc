@@ -41,7 +41,7 @@ std::vector<StampedPose> InMap(std::vector<StampedPose> poses, double scale = 1.
   return poses;
 }
 
-AbsoluteError Evaluate(const std::vector<SessionTrajectory>& sessions, const AbsoluteErrorOptions& options = {}) {
+AbsoluteError Evaluate(const std::vector<EvaluatedTrajectory>& sessions, const AbsoluteErrorOptions& options = {}) {
   const auto result = EvaluateAbsoluteError(sessions, options);
   EXPECT_TRUE(result) << result.error().message;
   return result.value_or(AbsoluteError{});
@@ -76,7 +76,7 @@ TEST(AbsoluteError, NoiseOfKnownSizeIsFound) {
 }
 
 TEST(AbsoluteError, AScaleFreeTrajectoryAlignsWithScaleAlone) {
-  const std::vector<SessionTrajectory> sessions = {
+  const std::vector<EvaluatedTrajectory> sessions = {
       {.name = "a", .estimate = InMap(Flight(20.0), 0.25), .truth = Flight(200.0), .body_from_evaluated = {}}};
   AbsoluteErrorOptions options;
   EXPECT_GT(Evaluate(sessions, options).error.rms, 0.5);
@@ -110,9 +110,9 @@ TEST(AbsoluteError, TruthAtTenHertzServesFramesAtItsVeryStamps) {
 }
 
 TEST(AbsoluteError, SessionsUnderOneAlignmentShowHowTheyLieToEachOther) {
-  const SessionTrajectory first{
+  const EvaluatedTrajectory first{
       .name = "a", .estimate = InMap(Flight(20.0)), .truth = Flight(200.0), .body_from_evaluated = {}};
-  SessionTrajectory second{
+  EvaluatedTrajectory second{
       .name = "b", .estimate = InMap(Flight(20.0, 1.0)), .truth = Flight(200.0, 1.0), .body_from_evaluated = {}};
   EXPECT_LT(Evaluate({first, second}).error.rms, 1e-9);
   for (StampedPose& pose : second.estimate) {
@@ -126,7 +126,7 @@ TEST(AbsoluteError, SessionsUnderOneAlignmentShowHowTheyLieToEachOther) {
 }
 
 TEST(AbsoluteError, AnotherPointOfTheBodySeesRotationErrors) {
-  SessionTrajectory session{.name = "a", .estimate = Flight(20.0), .truth = Flight(200.0), .body_from_evaluated = {}};
+  EvaluatedTrajectory session{.name = "a", .estimate = Flight(20.0), .truth = Flight(200.0), .body_from_evaluated = {}};
   int i = 0;
   for (StampedPose& pose : session.estimate) {
     const Eigen::Vector3d turn(0.0, 0.0, i++ % 2 == 0 ? 0.1 : -0.1);
@@ -152,17 +152,17 @@ TEST(AbsoluteError, AStillCameraAndAStraightLineAlignByTheirOrientations) {
 }
 
 TEST(AbsoluteError, WithoutCommonTimesThereIsNothingToCompare) {
-  const std::vector<SessionTrajectory> sessions = {
+  const std::vector<EvaluatedTrajectory> sessions = {
       {.name = "a", .estimate = Flight(20.0), .truth = {}, .body_from_evaluated = {}}};
   EXPECT_FALSE(EvaluateAbsoluteError(sessions));
 }
 
 TEST(EvaluationReport, TableAndJsonHoldEverySessionAndTheJointFigure) {
-  const SessionTrajectory session{.name = "flight_1",
-                                  .estimate = InMap(Flight(20.0)),
-                                  .truth = Flight(200.0),
-                                  .body_from_evaluated = {},
-                                  .dataset_frames = 160};
+  const EvaluatedTrajectory session{.name = "flight_1",
+                                    .estimate = InMap(Flight(20.0)),
+                                    .truth = Flight(200.0),
+                                    .body_from_evaluated = {},
+                                    .dataset_frames = 160};
   EvaluationReport report;
   report.alone.push_back({Evaluate({session}), {.maps = 1, .keyframes = 42, .landmarks = std::nullopt}});
   report.joint = Evaluate({session, session});
