@@ -19,7 +19,7 @@ bool IsNarrow(const IdealCamera& camera) { return camera.width <= kMaxNarrowSide
 template <typename Count>
 Count ToCount(float pixel) {
   const float count = std::nearbyint(pixel / kPixelQuantum);
-  const bool fits = count >= 0.0F && count <= static_cast<float>(std::numeric_limits<Count>::max() / 2);
+  const bool fits = count >= 0.0F && count < static_cast<float>(std::numeric_limits<Count>::max());
   return fits ? static_cast<Count>(count) : std::numeric_limits<Count>::max();  // unfit: outside of any image
 }
 

@@ -109,6 +109,17 @@ TEST(MapEditCodec, ImagesWiderThan16BitsAllowComeBackToo) {
   EXPECT_EQ(std::get<AddKeyframe>(decoded->front()).data->features, data->features);
 }
 
+TEST(MapEditCodec, TheLastPixelOfTheWidestImageFor16BitsComesBack) {
+  auto data = std::make_shared<KeyframeData>(*MakeData(3));
+  data->camera.width = 2047;
+  data->features.keypoints[0].u = 2047.0F - kPixelQuantum;
+  data->features.keypoints[1].u = 1030.0F;
+  const MapEdit edit = AddKeyframe{K(1), M(1), {}, {}, data};
+  const auto decoded = DecodeEdits(EncodeEdits(std::span(&edit, 1)));
+  ASSERT_TRUE(decoded);
+  EXPECT_EQ(std::get<AddKeyframe>(decoded->front()).data->features, data->features);
+}
+
 TEST(MapEditCodec, QuantisedFramePosesAreCloseAndStayAsTheyAre) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
