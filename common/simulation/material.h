@@ -2,8 +2,8 @@
 
 #include <cstdint>
 #include <memory>
-#include <vector>
 
+#include "common/simulation/light_grid.h"
 #include "common/simulation/texture.h"
 
 namespace pangaea {
@@ -22,13 +22,6 @@ enum class Material {
   kWindow,
   kDoor,
   kLamp,
-};
-
-// How bright a surface is lit, on a grid of columns x rows whose outer samples lie on the surface's edges.
-struct LightGrid {
-  int columns = 1;
-  int rows = 1;
-  std::vector<float> values;  // factor on the material's grey levels, row by row
 };
 
 // A picture of a material of `size_x` x `size_y` metres with texels of about `texel` metres, already lit. Shapes of all

@@ -98,9 +98,10 @@ TEST(Recording, BlurAndExposureChangeThePicture) {
   const cv::Mat plain = FramePainter(ShortRecording()).Paint(0, 2).left;
   RecordingOptions blurred = Short();
   blurred.blur = 4;
+  blurred.exposure_time = 0.04;
   const Recording blurred_recording(blurred);
   RecordingOptions drifting = Short();
-  drifting.exposure_drift = 0.4;
+  drifting.exposure_drift = 0.8;
   const Recording drifting_recording(drifting);
   for (const Recording* recording : {&blurred_recording, &drifting_recording}) {
     EXPECT_GT(cv::norm(plain, FramePainter(*recording).Paint(0, 2).left, cv::NORM_L1) / (752.0 * 480.0), 0.5);
