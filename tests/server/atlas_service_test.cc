@@ -94,7 +94,7 @@ TEST(AtlasService, DiskFullStopsAcksKeepsServingSaysSoAndResumesWhenThereIsRoom)
   ServiceOptions options;
   options.store.max_bytes = 1U << 20;
   ServiceHarness harness(place.path(), options);
-  Flight flight(kAnna, 500);
+  Flight flight(kAnna, {.keypoints = 500});
   std::vector<Envelope> envelopes;
   for (int i = 0; i < 100; ++i) envelopes.push_back(flight.Next());
   for (const Envelope& envelope : envelopes) harness.Send(envelope);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/map/small_world.h"
 
 namespace pangaea {
@@ -9,14 +11,14 @@ namespace pangaea {
 std::vector<MapEdit> Flight::NextEdits() {
   const KeyframeId id{session_, ++keyframes_};
   const KeyframeId parent = keyframes_ == 1 ? KeyframeId{} : KeyframeId{session_, keyframes_ - 1};
+  const Rigid3d camera_from_parent = MakePose(0.01, 0.1, 0.0, 0.3);
   std::vector<MapEdit> edits{
-      AddKeyframe{id, {session_, 1}, parent, MakePose(0.01, 0.1, 0.0, 0.3), MakeData(keypoints_, keyframes_ * 1000)}};
-  // The newest half of the landmarks is seen again, at the first keypoints; the other keypoints make new ones.
-  const auto half = static_cast<std::uint32_t>(keypoints_ / 2);
-  for (std::uint32_t i = 0; i < half && landmarks_ > i; ++i)
-    edits.push_back(AddObservation{{session_, landmarks_ - i}, id, i});
-  for (std::uint32_t i = half; i < keypoints_; ++i) {
-    edits.push_back(AddLandmark{{session_, ++landmarks_}, id, i, {0.01 * i, 0.02 * i, 4.0}});
+      AddKeyframe{id, {session_, 1}, parent, camera_from_parent, MakeData(shape_.keypoints, keyframes_ * 1000)}};
+  // The newest landmarks are seen again at the first keypoints; the next ones make new landmarks.
+  const std::uint32_t observed = std::min(shape_.observed, landmarks_);
+  for (std::uint32_t i = 0; i < observed; ++i) edits.push_back(AddObservation{{session_, landmarks_ - i}, id, i});
+  for (std::uint32_t i = observed; i < observed + shape_.created; ++i) {
+    edits.push_back(AddLandmark{{session_, ++landmarks_}, id, i, {0.001 * i, 0.002 * i, 4.0}});
   }
   return edits;
 }

@@ -11,11 +11,18 @@
 
 namespace pangaea {
 
+// What one keyframe of a flight has.
+struct FlightShape {
+  std::size_t keypoints = 40;
+  std::uint32_t observed = 20;  // landmarks of older keyframes
+  std::uint32_t created = 20;   // new ones
+};
+
 // What an agent would send of a flight along a corridor: envelope after envelope, each with one keyframe, its new
 // landmarks and its observations of older ones. The same for the same session.
 class Flight {
  public:
-  explicit Flight(SessionId session, std::size_t keypoints = 40) : session_(session), keypoints_(keypoints) {}
+  explicit Flight(SessionId session, const FlightShape& shape = {}) : session_(session), shape_(shape) {}
 
   // Makes the next envelope and applies its edits to atlas().
   Envelope Next();
@@ -31,7 +38,7 @@ class Flight {
   std::vector<MapEdit> NextEdits();
 
   SessionId session_;
-  std::size_t keypoints_;
+  FlightShape shape_;
   std::uint64_t sequence_ = 0;
   std::uint32_t keyframes_ = 0;
   std::uint32_t landmarks_ = 0;

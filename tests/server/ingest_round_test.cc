@@ -128,7 +128,7 @@ TEST(IngestRound, LateOrReorderedMessageIsAGapAndTheLastAckIsRepeated) {
 TEST(IngestRound, AnyOrderWithResendingGivesTheSameAtlas) {
   for (std::uint32_t seed = 1; seed <= 5; ++seed) {
     Ingest ingest;
-    Flight flight(kAnna, 10);
+    Flight flight(kAnna, {.keypoints = 10, .observed = 5, .created = 5});
     std::vector<Envelope> envelopes;
     for (int i = 0; i < 20; ++i) envelopes.push_back(flight.Next());
     std::mt19937 random(seed);

@@ -104,7 +104,7 @@ TEST(Store, ABatchIsStoredWholeOrNotAtAll) {
 
 TEST(Store, DiskFullOnTheServerRefusesTheBatchAndTakesItOnceThereIsRoom) {
   const TemporaryStore place;
-  Flight flight(kAnna, 1000);
+  Flight flight(kAnna, {.keypoints = 1000});
   Store store = OpenStore(place, {.max_bytes = 1U << 20});
   std::uint64_t stored = 0;
   Status status;
