@@ -1,5 +1,6 @@
 #include "agent/tracking/local_map.h"
 
+#include <algorithm>
 #include <optional>
 #include <unordered_map>
 #include <unordered_set>
@@ -43,7 +44,56 @@ void AttachViews(const TemplateStore& templates, ViewPoses& poses, LocalLandmark
   }
 }
 
+// Positions of the observers, each looked up once.
+class ObserverCenters {
+ public:
+  explicit ObserverCenters(const Atlas& atlas) : atlas_(atlas) {}
+
+  void Summarise(const Landmark& landmark, LocalLandmark& entry) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double squares = 0.0;
+    double stereo = 0.0;
+    for (const Observation& observation : landmark.observations) {
+      const Observer& observer = Find(observation.keyframe);
+      sum += observer.center;
+      squares += observer.center.squaredNorm();
+      // The right camera is one more observer, a baseline away: half of its square about their own centre.
+      if (observer.keyframe->data->features.keypoints[observation.keypoint].has_depth()) {
+        const double baseline = observer.keyframe->data->camera.baseline;
+        stereo += 0.5 * baseline * baseline;
+      }
+    }
+    const auto count = static_cast<double>(landmark.observations.size());
+    entry.observers_center = sum / count;
+    entry.observers_spread = std::max(squares - sum.squaredNorm() / count, 0.0) + stereo;
+  }
+
+ private:
+  struct Observer {
+    const Keyframe* keyframe = nullptr;
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  };
+
+  const Observer& Find(KeyframeId id) {
+    Observer& observer = observers_[id];
+    if (observer.keyframe != nullptr) return observer;
+    observer.keyframe = atlas_.FindKeyframe(id);
+    PANGAEA_CHECK(observer.keyframe != nullptr);
+    observer.center = observer.keyframe->camera_from_map.Inverse().translation();
+    return observer;
+  }
+
+  const Atlas& atlas_;
+  std::unordered_map<KeyframeId, Observer> observers_;
+};
+
 }  // namespace
+
+double PredictionVariance(const LocalLandmark& landmark, const Eigen::Vector3d& camera_in_map) {
+  const double distance = (camera_in_map - landmark.observers_center).squaredNorm();
+  const double of_the_mean = 1.0 / landmark.observations;
+  return 1.0 + of_the_mean + distance / std::max(landmark.observers_spread, 1e-12);
+}
 
 LocalMap CollectLocalMap(const Atlas& atlas, KeyframeId reference, const TemplateStore& templates,
                          const LocalMap& previous, const LocalMapOptions& options) {
@@ -51,6 +101,7 @@ LocalMap CollectLocalMap(const Atlas& atlas, KeyframeId reference, const Templat
   local.keyframes = GrowWindow(atlas, reference, options.max_keyframes);
   std::unordered_map<LandmarkId, const LocalLandmark*> known;
   for (const LocalLandmark& landmark : previous.landmarks) known.emplace(landmark.id, &landmark);
+  ObserverCenters centers(atlas);
   ViewPoses poses(atlas, local.view_poses);
   std::unordered_set<LandmarkId> seen;
   for (const KeyframeId id : local.keyframes) {
@@ -64,6 +115,7 @@ LocalMap CollectLocalMap(const Atlas& atlas, KeyframeId reference, const Templat
       entry.id = landmark_id;
       entry.point_in_map = landmark->point_in_map;
       entry.observations = static_cast<int>(landmark->observations.size());
+      centers.Summarise(*landmark, entry);
       AttachViews(templates, poses, entry);
       const auto before = known.find(landmark_id);
       if (before == known.end()) continue;

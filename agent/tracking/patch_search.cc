@@ -134,7 +134,8 @@ class Searcher {
     match.pixel = aligned->pixel;
     const double octaves = 0.5 * std::log(affine->determinant()) / std::log(kOctaveScale);
     match.octave = std::clamp(view->patch->octave + static_cast<int>(std::lround(octaves)), 0, kOctaves - 1);
-    match.sigma = std::ldexp(options_.patch_sigma, aligned->level);
+    const double variance = std::min(PredictionVariance(landmark, camera_in_map_), options_.max_prediction_variance);
+    match.sigma = std::ldexp(options_.patch_sigma, aligned->level) * std::sqrt(variance);
     match.correlation = aligned->correlation;
     return match;
   }

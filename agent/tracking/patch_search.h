@@ -16,8 +16,10 @@ struct PatchSearchOptions {
   int grid_rows = 8;
   double border = 12.0;          // pixels of the image's edge without landmarks: windows must fit
   double min_view_cosine = 0.5;  // of the angle between a template's view and the present one (60 degrees)
-  // Standard deviation of an aligned patch, pixels of its pyramid level, the landmark's own error included.
-  double patch_sigma = 0.6;
+  // Standard deviation of an aligned patch, pixels of its pyramid level. The landmark's own uncertainty comes on top.
+  double patch_sigma = 0.5;
+  // ... up to this factor of the variance: beyond it the landmark still tells the rotation.
+  double max_prediction_variance = 100.0;
   int min_scouts = 12;  // with fewer found the prediction is not corrected
   PatchAlignmentOptions alignment;
   PoseRefinementOptions refinement;
