@@ -75,24 +75,23 @@ std::uint8_t PatchAngle(const std::uint8_t* center, int stride) {
   return static_cast<std::uint8_t>(static_cast<int>(std::lround(turns * 256.0)) & 255);
 }
 
-RotatedBrief::RotatedBrief(int stride) : stride_(stride), steps_(kSteps) {
-  for (int step = 0; step < kSteps; ++step) {
-    const double angle = 2.0 * std::numbers::pi * step / kSteps;
+RotatedBrief::RotatedBrief(int stride) : stride_(stride), turned_(256) {
+  for (std::size_t angle = 0; angle < turned_.size(); ++angle) {
+    const double radians = 2.0 * std::numbers::pi * static_cast<double>(angle) / 256.0;
+    const double cosine = std::cos(radians), sine = std::sin(radians);
     const auto offset = [&](int x, int y) {
-      const long u = std::lround(std::cos(angle) * x - std::sin(angle) * y);
-      const long v = std::lround(std::sin(angle) * x + std::cos(angle) * y);
-      return static_cast<std::int32_t>(v * stride + u);
+      return static_cast<std::int32_t>(std::lround(sine * x + cosine * y) * stride +
+                                       std::lround(cosine * x - sine * y));
     };
     for (std::size_t i = 0; i < kBriefTests.size(); ++i) {
       const BriefTest& test = kBriefTests[i];
-      steps_[static_cast<std::size_t>(step)][i] = {offset(test.ax, test.ay), offset(test.bx, test.by)};
+      turned_[angle][i] = {offset(test.ax, test.ay), offset(test.bx, test.by)};
     }
   }
 }
 
 Descriptor RotatedBrief::Describe(const std::uint8_t* center, std::uint8_t angle) const {
-  constexpr int kAnglesPerStep = 256 / kSteps;
-  const auto& tests = steps_[static_cast<std::size_t>((angle + kAnglesPerStep / 2) / kAnglesPerStep % kSteps)];
+  const auto& tests = turned_[angle];
   Descriptor descriptor;
   for (std::size_t w = 0; w < descriptor.words.size(); ++w) {
     std::uint64_t word = 0;

@@ -37,6 +37,64 @@ Keypoint MakeKeypoint(cv::Point2f pixel, int octave) {
   return keypoint;
 }
 
+// How many new corners each octave should add: its share of all, less its fixed points, so that the sum is what is
+// missing.
+std::array<double, kOctaves> WantedByOctave(int features, std::span<const FixedPoint> fixed) {
+  std::array<double, kOctaves> wanted = OctaveShares(features);
+  for (const FixedPoint& point : fixed) wanted[static_cast<std::size_t>(OctaveOf(point))] -= 1.0;
+  double sum = 0.0;
+  for (double& count : wanted) sum += count = std::max(count, 0.0);
+  const double missing = std::max(0.0, features - static_cast<double>(fixed.size()));
+  for (double& count : wanted) count *= sum > 0.0 ? missing / sum : 0.0;
+  return wanted;
+}
+
+// Adds corners to keypoints, each where it keeps its distance from what was added before.
+class CornerCollector {
+ public:
+  CornerCollector(const OrbOptions& options, const ScalePyramid& pyramid, std::span<const FixedPoint> fixed,
+                  std::vector<Keypoint>& keypoints)
+      : options_(options),
+        pyramid_(pyramid),
+        keypoints_(keypoints),
+        chosen_(pyramid.octave(0).size(), 2.0F * options.min_distance) {
+    for (const FixedPoint& point : fixed) chosen_.Add({point.u, point.v}, kFixedTag);
+  }
+
+  // Takes candidates in their order until there are `limit` keypoints in all; returns those it did not come to.
+  std::span<const Corner> Take(std::span<const Corner> candidates, int octave, std::size_t limit) {
+    std::size_t seen = 0;
+    for (; seen < candidates.size() && keypoints_.size() < limit; ++seen) {
+      const cv::Point2f pixel = Refine(candidates[seen], octave);
+      if (!IsFree(pixel, octave)) continue;
+      chosen_.Add(pixel, octave);
+      keypoints_.push_back(MakeKeypoint(pixel, octave));
+    }
+    return candidates.subspan(seen);
+  }
+
+ private:
+  static constexpr int kFixedTag = -1;  // new corners have their octave as tag
+
+  cv::Point2f Refine(const Corner& corner, int octave) const {
+    const std::uint8_t* center = pyramid_.octave(octave).ptr<std::uint8_t>(corner.y) + corner.x;
+    const cv::Point2f offset = RefineCorner(center, pyramid_.stride());
+    return pyramid_.FromOctave(cv::Point2f(corner.x, corner.y) + offset, octave);
+  }
+
+  bool IsFree(cv::Point2f pixel, int octave) const {
+    const auto scale = static_cast<float>(OctaveSigma(octave));
+    const auto keeps_distance = [&](int tag) { return tag == kFixedTag || tag == octave; };
+    return !chosen_.HasNeighbor(pixel, options_.min_distance * scale, keeps_distance) &&
+           !chosen_.HasNeighbor(pixel, options_.same_corner_distance * scale, [](int) { return true; });
+  }
+
+  const OrbOptions& options_;
+  const ScalePyramid& pyramid_;
+  std::vector<Keypoint>& keypoints_;
+  NeighborIndex chosen_;
+};
+
 }  // namespace
 
 Status OrbOptions::Check() const {
@@ -60,7 +118,7 @@ struct OrbExtractor::Workspace {
   std::array<cv::Mat, kOctaves> smoothed_buffers;
   std::optional<RotatedBrief> brief;
 
-  void SelectNewCorners(const OrbOptions& options, std::span<const FixedPoint> fixed, std::vector<Keypoint>& keypoints);
+  void AddNewCorners(const OrbOptions& options, std::span<const FixedPoint> fixed, std::vector<Keypoint>& keypoints);
   std::vector<Corner> CandidatesOfOctave(const OrbOptions& options, int octave, int wanted,
                                          std::span<const FixedPoint> fixed);
   void Describe(Features& features);
@@ -81,7 +139,7 @@ Features OrbExtractor::Extract(const cv::Mat& image, std::span<const FixedPoint>
   for (const FixedPoint& point : fixed) {
     features.keypoints.push_back(MakeKeypoint({point.u, point.v}, OctaveOf(point)));
   }
-  workspace_->SelectNewCorners(options_, fixed, features.keypoints);
+  workspace_->AddNewCorners(options_, fixed, features.keypoints);
   workspace_->Describe(features);
   return features;
 }
@@ -97,51 +155,23 @@ std::vector<Corner> OrbExtractor::Workspace::CandidatesOfOctave(const OrbOptions
   return OrderBySpread(corners, image.size(), wanted, options.high_threshold, occupied);
 }
 
-void OrbExtractor::Workspace::SelectNewCorners(const OrbOptions& options, std::span<const FixedPoint> fixed,
-                                               std::vector<Keypoint>& keypoints) {
-  constexpr int kFixedTag = -1;  // in the index, new corners have their octave as tag
-  NeighborIndex chosen(pyramid.octave(0).size(), 2.0F * options.min_distance);
-  for (const FixedPoint& point : fixed) chosen.Add({point.u, point.v}, kFixedTag);
-
-  const auto is_free = [&](cv::Point2f pixel, int octave) {
-    const auto scale = static_cast<float>(OctaveSigma(octave));
-    const auto keeps_distance = [&](int tag) { return tag == kFixedTag || tag == octave; };
-    return !chosen.HasNeighbor(pixel, options.min_distance * scale, keeps_distance) &&
-           !chosen.HasNeighbor(pixel, options.same_corner_distance * scale, [&](int) { return true; });
-  };
-  const auto take = [&](std::span<const Corner> candidates, int octave, std::size_t limit) {
-    std::size_t seen = 0;
-    for (; seen < candidates.size() && keypoints.size() < limit; ++seen) {
-      const cv::Mat& image = pyramid.octave(octave);
-      const Corner& corner = candidates[seen];
-      const cv::Point2f offset = RefineCorner(image.ptr<std::uint8_t>(corner.y) + corner.x, pyramid.stride());
-      const cv::Point2f pixel = pyramid.FromOctave(cv::Point2f(corner.x, corner.y) + offset, octave);
-      if (!is_free(pixel, octave)) continue;
-      chosen.Add(pixel, octave);
-      keypoints.push_back(MakeKeypoint(pixel, octave));
-    }
-    return candidates.subspan(seen);
-  };
-
-  // Each octave fills its share of what the fixed points leave; what it cannot fill goes to the next, and in the end
-  // to whichever has more.
-  std::array<double, kOctaves> shares = OctaveShares(options.features);
-  for (const FixedPoint& point : fixed) shares[static_cast<std::size_t>(OctaveOf(point))] -= 1.0;
-  double sum = 0.0;
-  for (double& share : shares) sum += share = std::max(share, 0.0);
-  const double missing = std::max(0.0, options.features - static_cast<double>(fixed.size()));
+// Each octave fills its share; what it cannot fill goes to the next, and in the end to whichever has more.
+void OrbExtractor::Workspace::AddNewCorners(const OrbOptions& options, std::span<const FixedPoint> fixed,
+                                            std::vector<Keypoint>& keypoints) {
+  if (fixed.size() >= static_cast<std::size_t>(options.features)) return;
+  const std::array<double, kOctaves> wanted = WantedByOctave(options.features, fixed);
+  CornerCollector collector(options, pyramid, fixed, keypoints);
   std::array<std::vector<Corner>, kOctaves> candidates;
   std::array<std::span<const Corner>, kOctaves> left;
   double due = static_cast<double>(fixed.size());
-  for (std::size_t o = 0; o < candidates.size() && missing > 0.0; ++o) {
-    const double wanted = shares[o] * missing / sum;
-    due += wanted;
+  for (std::size_t o = 0; o < candidates.size(); ++o) {
     const int octave = static_cast<int>(o);
-    candidates[o] = CandidatesOfOctave(options, octave, static_cast<int>(std::ceil(wanted)), fixed);
-    left[o] = take(candidates[o], octave, static_cast<std::size_t>(std::lround(due)));
+    due += wanted[o];
+    candidates[o] = CandidatesOfOctave(options, octave, static_cast<int>(std::ceil(wanted[o])), fixed);
+    left[o] = collector.Take(candidates[o], octave, static_cast<std::size_t>(std::lround(due)));
   }
   for (std::size_t o = 0; o < candidates.size(); ++o) {
-    take(left[o], static_cast<int>(o), static_cast<std::size_t>(options.features));
+    collector.Take(left[o], static_cast<int>(o), static_cast<std::size_t>(options.features));
   }
 }
 

@@ -20,7 +20,7 @@ struct OrbOptions {
   // octave.
   float min_distance = 6.0F;
   // Two new corners of different octaves closer than this (pixels of the coarser octave) are one corner: the finer one
-  // is kept. 0 keeps both.
+  // is kept. 0 keeps both: a corner seen from nearer or farther is then found again in another octave.
   float same_corner_distance = 0.0F;
 
   Status Check() const;

@@ -113,7 +113,7 @@ double GradientBlock::Texture() const {
   for (const auto& row : rows) {
     for (std::size_t x = 0; x < kWidth; ++x) sum += std::abs(row[x] - RowGradient::kZero);
   }
-  return static_cast<double>(sum) / (kWidth * kHeight * RowGradient::kUnitsPerLevel);
+  return static_cast<double>(sum) / kUnits;
 }
 
 std::optional<RowMatch> RowSearch::Find(const GradientBlock& block, const RowGradient& gradient, int first_x,

@@ -33,9 +33,10 @@ class RowGradient {
 struct GradientBlock {
   static constexpr int kWidth = 12;
   static constexpr int kHeight = 11;
-  static constexpr int kLeft = 6;                            // columns left of the centre; 5 right of it
-  static constexpr int kUp = 5;                              // rows above the centre; as many below
-  std::array<std::array<std::uint8_t, 16>, kHeight> rows{};  // the last 4 of each are padding
+  static constexpr int kLeft = 6;  // columns left of the centre; 5 right of it
+  static constexpr int kUnits = kWidth * kHeight * RowGradient::kUnitsPerLevel;  // of cost for 1 grey level per pixel
+  static constexpr int kUp = 5;                                                  // rows above the centre; as many below
+  std::array<std::array<std::uint8_t, 16>, kHeight> rows{};                      // the last 4 of each are padding
 
   // Does the block around (x, y) lie inside of the image?
   static bool Fits(const RowGradient& gradient, int x, int y);

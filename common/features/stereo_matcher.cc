@@ -48,6 +48,7 @@ Status StereoOptions::Check() const {
       .and_then([&] { return CheckRange("row_tolerance", row_tolerance, 0.0, 8.0); })
       .and_then([&] { return CheckRange("min_texture", min_texture, 0.0, 100.0); })
       .and_then([&] { return CheckRange("uniqueness", uniqueness, 0.0, 1.0); })
+      .and_then([&] { return CheckRange("max_difference", max_difference, 0.0, 10.0); })
       .and_then([&] { return CheckRange("consistency", consistency, 0.0, 100.0); })
       .and_then([&] { return CheckRange("min_correlation", min_correlation, 0.0, 1.0); });
 }
@@ -128,7 +129,8 @@ StereoMatcher::Workspace::Outcome StereoMatcher::Workspace::MatchOne(const Stere
   const int most = static_cast<int>(std::ceil(range.most / scale));
   auto there = search.Find(block, right_gradient, x - most, x - least, y, 0);
   if (!there) return Outcome::kOutOfRange;
-  if (there->cost > options.uniqueness * there->second_cost) return Outcome::kAmbiguous;
+  if (there->cost >= options.uniqueness * there->second_cost) return Outcome::kAmbiguous;
+  if (there->cost > options.max_difference * block.Texture() * GradientBlock::kUnits) return Outcome::kAmbiguous;
   // The row itself finds the place; the rows around it may show it better.
   constexpr int kColumnsAround = 2;
   there = search.Find(block, right_gradient, there->x - kColumnsAround, there->x + kColumnsAround, y,

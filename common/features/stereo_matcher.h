@@ -25,6 +25,9 @@ struct StereoOptions {
   double min_texture = 2.0;
   // The best matching cost must be below this share of the best cost elsewhere on the row: repeated texture is refused.
   double uniqueness = 0.9;
+  // The best matching cost as a share of the patch's texture (its cost against a blank wall). Unrelated patches are at
+  // 1 and above; a floor at a slant comes near 0.8.
+  double max_difference = 0.8;
   // The match from right to left must come back to within this many pixels (of the level searched).
   int consistency = 1;
   // Normalised correlation of the aligned patches.
