@@ -1,9 +1,14 @@
 #include "cli/command.h"
 #include "cli/digest.h"
+#include "cli/evaluate.h"
+#include "cli/export.h"
+#include "cli/plot.h"
 #include "cli/simulate.h"
 #include "cli/status.h"
 
 int main(int argc, char** argv) {
   using namespace pangaea;
-  return RunCommandLine({StatusCommand(), SimulateCommand(), DigestCommand()}, argc, argv);
+  return RunCommandLine(
+      {StatusCommand(), EvaluateCommand(), PlotCommand(), ExportCommand(), SimulateCommand(), DigestCommand()}, argc,
+      argv);
 }

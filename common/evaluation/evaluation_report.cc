@@ -1,34 +1,80 @@
 #include "common/evaluation/evaluation_report.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 namespace pangaea {
 namespace {
 
-constexpr int kNameWidth = 24;
+constexpr std::ptrdiff_t kScaleColumn = 8;  // always 1 after SE(3) alignment: not shown then
+
+using Row = std::vector<std::string>;
 
 std::string Count(const std::optional<std::size_t>& count) { return count ? std::to_string(*count) : "-"; }
 
-std::string Line(const std::string& name, const ErrorStatistics& error, std::size_t estimated, std::size_t frames,
-                 double coverage, const MapCounts& counts, double scale) {
-  char covered[32] = "-";
-  if (frames > 0) std::snprintf(covered, sizeof(covered), "%.1f %%", 100.0 * coverage);
-  char line[256];
-  std::snprintf(line, sizeof(line), "%-*.*s %8zu %8zu %9s %9.4f %9.4f %9.4f %8.4f %5s %9s %10s\n", kNameWidth,
-                kNameWidth, name.c_str(), frames, estimated, covered, error.rms, error.median, error.max, scale,
-                Count(counts.maps).c_str(), Count(counts.keyframes).c_str(), Count(counts.landmarks).c_str());
-  return line;
+std::string Fixed(double value, int decimals) {
+  char text[64];
+  std::snprintf(text, sizeof(text), "%.*f", decimals, value);
+  return text;
 }
 
-std::string JointLine(const AbsoluteError& joint, const MapCounts& total) {
-  std::size_t estimated = 0;
+// What one line of the table says: a session, or all of them under one alignment.
+struct Summary {
+  std::string name;
   std::size_t frames = 0;
-  for (const SessionError& session : joint.sessions) {
-    estimated += session.estimated;
-    frames += session.dataset_frames;
+  std::size_t estimated = 0;
+  double coverage = 0.0;
+  double path_length = 0.0;
+  double scale = 1.0;
+  ErrorStatistics error;
+};
+
+Row ToRow(const Summary& line, const MapCounts& counts) {
+  Row row{line.name, line.frames > 0 ? std::to_string(line.frames) : "-", std::to_string(line.estimated),
+          line.frames > 0 ? Fixed(100.0 * line.coverage, 1) + " %" : "-"};
+  const bool is_known = line.error.count > 0;
+  for (const double error : {line.error.rms, line.error.median, line.error.max}) {
+    row.push_back(is_known ? Fixed(error, 4) : "-");
   }
-  return Line("jointly", joint.error, estimated, frames, joint.coverage, total, joint.truth_from_estimate.scale());
+  row.push_back(is_known ? Fixed(line.path_length, 1) : "-");
+  row.push_back(is_known ? Fixed(line.scale, 4) : "-");
+  for (const auto& count : {counts.maps, counts.keyframes, counts.landmarks}) row.push_back(Count(count));
+  return row;
+}
+
+Summary SummaryOf(const SessionError& session, double scale) {
+  return {session.name, session.dataset_frames, session.estimated, session.coverage, session.path_length,
+          scale,        session.error};
+}
+
+Summary SummaryOf(const AbsoluteError& joint) {
+  Summary all{.name = "jointly", .coverage = joint.coverage, .error = joint.error};
+  all.scale = joint.truth_from_estimate.scale();
+  for (const SessionError& session : joint.sessions) {
+    all.estimated += session.estimated;
+    all.frames += session.dataset_frames;
+    all.path_length += session.path_length;
+  }
+  return all;
+}
+
+// Of the columns in which no line says anything, nothing is shown. Names stand left, numbers right.
+std::string Print(const std::vector<Row>& rows) {
+  std::string text;
+  std::vector<std::size_t> widths(rows.front().size(), 0);
+  for (std::size_t column = 0; column < widths.size(); ++column) {
+    const bool is_empty = std::all_of(rows.begin() + 1, rows.end(), [&](const Row& row) { return row[column] == "-"; });
+    for (const Row& row : rows) widths[column] = is_empty ? 0 : std::max(widths[column], row[column].size());
+  }
+  for (const Row& row : rows) {
+    text += row[0] + std::string(widths[0] - row[0].size(), ' ');
+    for (std::size_t column = 1; column < row.size(); ++column) {
+      if (widths[column] > 0) text += "  " + std::string(widths[column] - row[column].size(), ' ') + row[column];
+    }
+    text += "\n";
+  }
+  return text;
 }
 
 nlohmann::json ErrorJson(const ErrorStatistics& error) {
@@ -46,10 +92,11 @@ void AddCounts(const MapCounts& counts, nlohmann::json& json) {
 }
 
 nlohmann::json SessionJson(const SessionError& session) {
-  nlohmann::json json = {{"name", session.name},
-                         {"ate", ErrorJson(session.error)},
-                         {"tracked", session.estimated},
-                         {"path_length_m", session.path_length}};
+  nlohmann::json json = {{"name", session.name}, {"tracked", session.estimated}};
+  if (session.error.count > 0) {
+    json["ate"] = ErrorJson(session.error);
+    json["path_length_m"] = session.path_length;
+  }
   if (session.dataset_frames > 0) {
     json["frames"] = session.dataset_frames;
     json["coverage"] = session.coverage;
@@ -68,19 +115,18 @@ nlohmann::json AlignmentJson(const Similarity3d& alignment) {
 }  // namespace
 
 std::string FormatTable(const EvaluationReport& report) {
-  char header[256];
-  std::snprintf(header, sizeof(header), "%-*s %8s %8s %9s %9s %9s %9s %8s %5s %9s %10s\n", kNameWidth, "session",
-                "frames", "tracked", "coverage", "ATE rms m", "median m", "max m", "scale", "maps", "keyframes",
-                "landmarks");
-  std::string table = header;
+  std::vector<Row> rows{{"session", "frames", "tracked", "coverage", "ATE rms m", "median m", "max m", "path m",
+                         "scale", "maps", "keyframes", "landmarks"}};
   for (const EvaluationReport::Row& row : report.alone) {
     for (const SessionError& session : row.error.sessions) {
-      table += Line(session.name, session.error, session.estimated, session.dataset_frames, session.coverage,
-                    row.counts, row.error.truth_from_estimate.scale());
+      rows.push_back(ToRow(SummaryOf(session, row.error.truth_from_estimate.scale()), row.counts));
     }
   }
-  if (report.joint) table += JointLine(*report.joint, report.total);
-  return table + (report.with_scale ? "(after Sim(3) alignment)\n" : "(after SE(3) alignment)\n");
+  if (report.joint) rows.push_back(ToRow(SummaryOf(*report.joint), report.total));
+  if (!report.with_scale) {
+    for (Row& row : rows) row.erase(row.begin() + kScaleColumn);
+  }
+  return Print(rows);
 }
 
 nlohmann::json ToJson(const EvaluationReport& report) {
@@ -88,7 +134,7 @@ nlohmann::json ToJson(const EvaluationReport& report) {
   for (const EvaluationReport::Row& row : report.alone) {
     for (const SessionError& session : row.error.sessions) {
       nlohmann::json entry = SessionJson(session);
-      entry["truth_from_estimate"] = AlignmentJson(row.error.truth_from_estimate);
+      if (session.error.count > 0) entry["truth_from_estimate"] = AlignmentJson(row.error.truth_from_estimate);
       AddCounts(row.counts, entry);
       json["sessions"].push_back(std::move(entry));
     }

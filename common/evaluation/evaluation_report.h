@@ -29,7 +29,8 @@ struct EvaluationReport {
   bool with_scale = false;
 };
 
-// A table of plain text, one session a line.
+// A table of plain text, one session a line, ATE after the report's kind of alignment. A session whose error has no
+// poses was not compared with any truth: only what is known of it is shown.
 std::string FormatTable(const EvaluationReport& report);
 nlohmann::json ToJson(const EvaluationReport& report);
 

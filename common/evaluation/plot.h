@@ -30,6 +30,8 @@ struct PlotScene {
   std::vector<Eigen::Vector3d> landmarks;
   // Upwards, where it is known; else the direction in which the trajectories vary least.
   std::optional<Eigen::Vector3d> up;
+  // What lies to the right in the picture; unset: the longest extent of the trajectories.
+  std::optional<Eigen::Vector3d> right;
 };
 
 struct PlotOptions {

@@ -53,7 +53,8 @@ Eigen::Vector3d Directed(const Eigen::Vector3d& axis) {
   return axis[largest] < 0.0 ? Eigen::Vector3d(-axis) : axis;
 }
 
-Eigen::Matrix3d ChooseAxes(Eigen::Matrix3d covariance, const std::optional<Eigen::Vector3d>& up) {
+Eigen::Matrix3d ChooseAxes(Eigen::Matrix3d covariance, const PlotScene& scene) {
+  const std::optional<Eigen::Vector3d>& up = scene.up;
   const bool has_up = up && up->allFinite() && up->norm() > 0.0;
   if (has_up) {
     const Eigen::Vector3d direction = up->normalized();
@@ -62,7 +63,7 @@ Eigen::Matrix3d ChooseAxes(Eigen::Matrix3d covariance, const std::optional<Eigen
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
   const Eigen::Vector3d toward = has_up ? up->normalized() : Directed(solver.eigenvectors().col(0));
-  Eigen::Vector3d right = solver.eigenvectors().col(2);
+  Eigen::Vector3d right = scene.right.value_or(solver.eigenvectors().col(2));
   right -= toward * toward.dot(right);
   if (right.norm() < 1e-6) right = toward.unitOrthogonal();
   right = Directed(right.normalized());
@@ -85,7 +86,7 @@ PlotView::PlotView(const PlotScene& scene, const Box& box) : box_(box) {
   std::ranges::copy_if(scene.landmarks, std::back_inserter(landmarks), [](const auto& p) { return p.allFinite(); });
   const Cloud path = Describe(positions);
   center_ = positions.empty() ? Describe(landmarks).mean : path.mean;
-  axes_ = ChooseAxes(path.covariance + kLandmarkWeight * Describe(landmarks).covariance, scene.up);
+  axes_ = ChooseAxes(path.covariance + kLandmarkWeight * Describe(landmarks).covariance, scene);
   Eigen::Vector2d low = Eigen::Vector2d::Constant(-0.5 * kSmallestExtent);
   Eigen::Vector2d high = -low;
   for (const Eigen::Vector3d& position : positions) {
