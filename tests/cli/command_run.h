@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace pangaea::testing {
+
+// What a command line did.
+struct CommandRun {
+  int exit_code = -1;
+  std::string out;
+  std::string err;
+};
+
+// Runs `pangaea ARGUMENTS...` in this process: the commands that read and draw, without simulator and network.
+CommandRun RunPangaea(const std::vector<std::string>& arguments);
+
+}  // namespace pangaea::testing
