@@ -2,7 +2,7 @@
 
 namespace pangaea {
 
-// Chosen by tests/features/train_brief_pattern.cc with a largest correlation of 0.50, from 40 photographs.
+// Chosen by tests/features/train_brief_pattern.cc with a largest correlation of 0.50, from 50 photographs.
 const std::array<BriefTest, 256> kBriefTests = {{
     {0, 0, 0, 11},      {0, -5, 0, 0},      {4, -10, 3, 1},     {1, -14, 1, 0},    {4, 14, 3, 0},     {-2, -1, -3, -14},
     {-1, 5, 0, 0},      {-4, 1, -7, -13},   {-5, -8, -3, 3},    {-4, 0, -6, 12},   {5, 9, 4, -3},     {-2, 3, -3, 14},
