@@ -55,6 +55,7 @@ void PrintTables(const StoredAtlas& stored, const std::vector<MapEvaluation>& ev
     }
   }
   if (!alone.alone.empty()) {
+    std::ranges::stable_sort(alone.alone, {}, [](const auto& row) { return row.error.sessions.front().name; });
     if (alone.alone.size() < evaluations.size()) std::cout << "each in a map of its own:\n";
     std::cout << FormatTable(alone) << "\n";
   }

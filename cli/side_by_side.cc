@@ -12,9 +12,12 @@ namespace pangaea {
 namespace {
 
 constexpr double kPictureAspect = 1.5;  // width to height of the part of the picture that the map fills
-// Around each scene's trajectories, as a part of their longest extent: landmarks beside the way need it.
-constexpr double kFrame = 0.12;
+// Around each scene's trajectories, as a part of their longest extent.
+constexpr double kFrame = 0.08;
 constexpr double kSmallestFrame = 2.0;  // metres
+// Landmarks beside the way widen it, up to this part of the longest extent; the farthest ones on either side do not.
+constexpr double kLongestWidening = 0.35;
+constexpr double kFarLandmarks = 0.05;
 
 void Transform(PlotScene& scene, const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& transform) {
   const auto apply = [&](std::vector<Eigen::Vector3d>& points) {
@@ -60,6 +63,17 @@ struct Extent {
   Eigen::Vector2d size() const { return high - low; }
 };
 
+void WidenForLandmarks(const std::vector<Eigen::Vector3d>& landmarks, double limit, Extent& extent) {
+  for (int axis = 0; axis < 2 && !landmarks.empty(); ++axis) {
+    std::vector<double> values;
+    for (const Eigen::Vector3d& landmark : landmarks) values.push_back(landmark[axis]);
+    std::ranges::sort(values);
+    const auto far = static_cast<std::size_t>(kFarLandmarks * static_cast<double>(values.size()));
+    extent.low[axis] = std::clamp(values[far], extent.low[axis] - limit, extent.low[axis]);
+    extent.high[axis] = std::clamp(values[values.size() - 1 - far], extent.high[axis], extent.high[axis] + limit);
+  }
+}
+
 Extent ExtentOf(const PlotScene& scene) {
   const std::vector<Eigen::Vector3d> ways = Ways(scene);
   Extent extent;
@@ -68,7 +82,9 @@ Extent ExtentOf(const PlotScene& scene) {
     extent.low = extent.low.cwiseMin(point.head<2>());
     extent.high = extent.high.cwiseMax(point.head<2>());
   }
-  const double frame = std::max(kFrame * extent.size().maxCoeff(), kSmallestFrame);
+  const double longest = extent.size().maxCoeff();
+  WidenForLandmarks(scene.landmarks, std::max(kLongestWidening * longest, kSmallestFrame), extent);
+  const double frame = std::max(kFrame * longest, kSmallestFrame);
   extent.low.array() -= frame;
   extent.high.array() += frame;
   return extent;
