@@ -17,6 +17,8 @@ ImagePyramid Copy(const ImagePyramid& image) {
   return copy;
 }
 
+double Seconds(std::int64_t nanoseconds) { return 1e-9 * static_cast<double>(nanoseconds); }
+
 std::optional<Rigid3d> PoseOf(const Atlas& atlas, KeyframeId id) {
   const auto resolved = atlas.ResolvePose(id);
   if (!resolved) return std::nullopt;
@@ -112,7 +114,7 @@ std::optional<Rigid3d> Tracker::PreviousPose() const {
 
 void Tracker::TrackKnownMap(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
                             StageRecorder& stages) {
-  std::optional<LocatedFrame> located = LocateByMotion(stages);
+  std::optional<LocatedFrame> located = LocateByMotion(stamp_ns, stages);
   if (!located) located = LocateByRecognition(left, stages);
   if (located) {
     FinishTracked(stamp_ns, *located, result);
@@ -124,10 +126,10 @@ void Tracker::TrackKnownMap(std::int64_t stamp_ns, const cv::Mat& left, const Ri
   if (frames_lost_ >= options_.frames_until_new_map) StartMap(stamp_ns, left, right, result, stages);
 }
 
-std::optional<LocatedFrame> Tracker::LocateByMotion(StageRecorder& stages) {
+std::optional<LocatedFrame> Tracker::LocateByMotion(std::int64_t stamp_ns, StageRecorder& stages) {
   const auto previous_pose = PreviousPose();
   if (!previous_pose || frames_lost_ > options_.frames_predicted) return std::nullopt;
-  Rigid3d current_from_previous = previous_->current_from_previous;
+  Rigid3d current_from_previous = Rigid3d::Exp(previous_->velocity * Seconds(stamp_ns - previous_->stamp_ns));
   {
     StageScope scope(stages, "tracking.prediction");
     const auto aligned = AlignSparsely(previous_image_, current_image_, camera_, previous_->points_in_camera,
@@ -160,8 +162,11 @@ void Tracker::FinishTracked(std::int64_t stamp_ns, const LocatedFrame& located, 
   Previous previous;
   previous.reference = reference;
   previous.reference_from_frame = reference_from_map * camera_from_map.Inverse();
-  // After a gap the motion of one frame is not known.
-  if (previous_pose && frames_lost_ == 0) previous.current_from_previous = camera_from_map * previous_pose->Inverse();
+  previous.stamp_ns = stamp_ns;
+  // After a loss the motion is not known.
+  if (previous_pose && frames_lost_ == 0 && stamp_ns > previous_->stamp_ns) {
+    previous.velocity = (camera_from_map * previous_pose->Inverse()).Log() / Seconds(stamp_ns - previous_->stamp_ns);
+  }
   for (const LandmarkMatch& match : located.matches) {
     previous.points_in_camera.push_back(camera_from_map *
                                         local_map_.landmarks[static_cast<std::size_t>(match.landmark)].point_in_map);
@@ -230,7 +235,7 @@ bool Tracker::StartMap(std::int64_t stamp_ns, const cv::Mat& left, const RightIm
   RememberKeyframe(first_keyframe_, KeyframeId{}, Rigid3d());
   decision_.Restart();
   frames_lost_ = 0;
-  previous_ = Previous{first_keyframe_, Rigid3d(), Rigid3d(), StereoPoints(*built.data)};
+  previous_ = Previous{first_keyframe_, Rigid3d(), stamp_ns, Vector6d::Zero(), StereoPoints(*built.data)};
   result.state = TrackingState::kTracking;
   result.tracked = true;
   result.map = map_;

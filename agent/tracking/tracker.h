@@ -62,7 +62,8 @@ class Tracker {
   struct Previous {
     KeyframeId reference;
     Rigid3d reference_from_frame;
-    Rigid3d current_from_previous;                  // the motion into this frame
+    std::int64_t stamp_ns = 0;
+    Vector6d velocity = Vector6d::Zero();           // of the camera into this frame: a twist, per second
     std::vector<Eigen::Vector3d> points_in_camera;  // of the tracked landmarks
   };
   // A keyframe on its way into the map, or whose image is still of use.
@@ -78,7 +79,7 @@ class Tracker {
   std::optional<Rigid3d> PreviousPose() const;
   void TrackKnownMap(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
                      StageRecorder& stages);
-  std::optional<LocatedFrame> LocateByMotion(StageRecorder& stages);
+  std::optional<LocatedFrame> LocateByMotion(std::int64_t stamp_ns, StageRecorder& stages);
   std::optional<LocatedFrame> LocateByRecognition(const cv::Mat& left, StageRecorder& stages);
   void FinishTracked(std::int64_t stamp_ns, const LocatedFrame& located, TrackingResult& result);
   void ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
