@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <unordered_map>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/map/ids.h"
+#include "common/place/bag_of_words.h"
+
+namespace pangaea {
+
+struct PlaceQueryOptions {
+  // Candidates wanted at most. Geometric verification costs milliseconds each.
+  std::size_t candidates = 10;
+  // Candidates below this L1 score are not worth verifying.
+  double min_score = 0.0;
+  // Postings read at most. Words are taken rarest first, so that it is the words which many keyframes show, and which
+  // tell least, that are left out: the cost of a query is bounded, however large the atlas. 2,000 keyframes of 1,000
+  // features are read in full.
+  std::size_t posting_budget = 200000;
+  // So many of the best by the words read get their exact score before the candidates are chosen.
+  std::size_t rescored = 100;
+
+  Status Check() const;
+};
+
+struct PlaceCandidate {
+  KeyframeId keyframe;
+  double score = 0.0;  // L1, exact
+  bool operator==(const PlaceCandidate&) const = default;
+};
+
+struct PlaceCandidates {
+  std::vector<PlaceCandidate> ranked;  // best first; of equals the smaller id
+  std::size_t postings_read = 0;       // what the query cost
+};
+
+// Which keyframes show which words: finds the keyframes whose bags are most like a given one. Keeps the bags (about 16
+// bytes a word and keyframe). One owner; results depend on what is in the index, not on the order of its arrival.
+class InvertedIndex {
+ public:
+  // `words`: of the vocabulary all bags come from.
+  explicit InvertedIndex(std::size_t words) : postings_(words) {}
+
+  // A keyframe that is in the index already gets its new bag.
+  void Add(const KeyframeId& keyframe, BagOfWords bag);
+  // False where it was not in the index.
+  bool Remove(const KeyframeId& keyframe);
+  std::size_t size() const { return slots_.size(); }
+  // nullptr where the keyframe is not in the index. Valid until the next Add or Remove.
+  const BagOfWords* Find(const KeyframeId& keyframe) const;
+
+  // `admits`: which keyframes may be candidates (not the query's own neighbours, for example); asked for the best
+  // alone, until there are enough. Empty: all.
+  using Admits = std::function<bool(const KeyframeId&)>;
+  PlaceCandidates Query(const BagOfWords& bag, const PlaceQueryOptions& options = {}, const Admits& admits = {}) const;
+
+ private:
+  // A keyframe's place in `documents_`; freed slots are used again.
+  using Slot = std::uint32_t;
+  struct Posting {
+    Slot slot = 0;
+    float weight = 0.0F;
+  };
+  struct Document {
+    KeyframeId keyframe;
+    BagOfWords bag;
+  };
+
+  std::vector<float> Accumulate(const BagOfWords& bag, PlaceCandidates& answer, std::size_t budget) const;
+  std::vector<Slot> BestSlots(const std::vector<float>& scores, std::size_t count, const Admits& admits) const;
+
+  std::vector<std::vector<Posting>> postings_;  // by word
+  std::vector<Document> documents_;             // by slot
+  std::vector<Slot> free_slots_;
+  std::unordered_map<KeyframeId, Slot> slots_;
+};
+
+}  // namespace pangaea
