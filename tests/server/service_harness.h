@@ -42,8 +42,6 @@ class ServiceHarness {
     return acks_[session].up_to;
   }
 
-  std::unique_ptr<AtlasService> service;
-
  private:
   void OnAck(const EditAck& ack) EXCLUDES(mutex_) {
     MutexLock lock(mutex_);
@@ -60,6 +58,10 @@ class ServiceHarness {
   ConditionVariable changed_;
   std::map<SessionId, EditAck> acks_ GUARDED_BY(mutex_);
   std::map<AtlasEventKind, int> events_ GUARDED_BY(mutex_);
+
+ public:
+  // Last: its threads use what is above until it is gone.
+  std::unique_ptr<AtlasService> service;
 };
 
 }  // namespace pangaea
