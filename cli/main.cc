@@ -5,10 +5,11 @@
 #include "cli/plot.h"
 #include "cli/simulate.h"
 #include "cli/status.h"
+#include "cli/vocabulary.h"
 
 int main(int argc, char** argv) {
   using namespace pangaea;
-  return RunCommandLine(
-      {StatusCommand(), EvaluateCommand(), PlotCommand(), ExportCommand(), SimulateCommand(), DigestCommand()}, argc,
-      argv);
+  return RunCommandLine({StatusCommand(), EvaluateCommand(), PlotCommand(), ExportCommand(), SimulateCommand(),
+                         DigestCommand(), VocabularyCommand()},
+                        argc, argv);
 }
