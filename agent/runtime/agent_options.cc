@@ -19,6 +19,7 @@ Status ReadAgentConfig(const std::filesystem::path& path, AgentOptions& options)
   if (!reader) return tl::make_unexpected(reader.error());
   TrackingOptions& tracking = options.tracking;
   reader->Read("tracking.min_inliers", &tracking.min_inliers, Range{6, 1000});
+  reader->Read("tracking.min_agreement", &tracking.min_agreement, Range{0.0, 1.0});
   reader->Read("tracking.min_recovery_inliers", &tracking.min_recovery_inliers, Range{6, 1000});
   reader->Read("tracking.min_start_points", &tracking.min_start_points, Range{20, 5000});
   reader->Read("tracking.frames_until_new_map", &tracking.frames_until_new_map, Range{1, 100000});

@@ -11,10 +11,10 @@
 namespace pangaea {
 
 struct PatchAlignmentOptions {
-  int max_iterations = 12;        // of Gauss-Newton, per level; almost all patches need fewer than 6
-  double converged_step = 0.03;   // pixels of the level: below the noise of the result
-  double max_shift = 6.0;         // pixels of the level: what an 8 x 8 window can find
-  double min_correlation = 0.8;   // zero-mean normalised cross-correlation of an accepted match
+  int max_iterations = 12;       // of Gauss-Newton, per level; almost all patches need fewer than 6
+  double converged_step = 0.03;  // pixels of the level: below the noise of the result
+  double max_shift = 6.0;        // pixels of the level: what an 8 x 8 window can find
+  double min_correlation = 0.8;  // zero-mean normalised cross-correlation of an accepted match
   // Smaller eigenvalue of the mean gradient matrix, (grey levels / pixel)^2: at 4, noise of 1.6 grey levels moves the
   // result by 0.15 pixels.
   double min_texture = 4.0;

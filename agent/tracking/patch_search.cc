@@ -171,7 +171,8 @@ std::optional<LocatedFrame> LocateFrame(const ImagePyramid& image, const IdealCa
   for (LocalLandmark& landmark : local_map.landmarks) landmark.tracked = false;
   const auto refined = searcher.Refine(pose);
   if (!refined) return std::nullopt;
-  LocatedFrame located{*refined, searcher.TakeInliers(), static_cast<int>(expected.size())};
+  LocatedFrame located{*refined, searcher.TakeInliers(), static_cast<int>(expected.size()),
+                       static_cast<int>(searcher.found())};
   for (const LandmarkMatch& match : located.matches) local_map.landmarks[match.landmark].tracked = true;
   return located;
 }

@@ -38,6 +38,7 @@ struct LocatedFrame {
   RefinedPose pose;
   std::vector<LandmarkMatch> matches;  // the inliers of the pose
   int searched = 0;                    // landmarks that were looked for
+  int found = 0;                       // ... and found, inliers or not
 };
 
 // Looks for the local map's landmarks in an image and refines the pose on what it finds: a few well-spread scouts

@@ -115,7 +115,15 @@ std::optional<Rigid3d> Tracker::PreviousPose() const {
 void Tracker::TrackKnownMap(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
                             StageRecorder& stages) {
   std::optional<LocatedFrame> located = LocateByMotion(stamp_ns, stages);
-  if (!located) located = LocateByRecognition(left, stages);
+  if (!located || located->pose.inliers < options_.weak_inliers) {
+    // A thin result may be a wrong one: what is recognised without any prediction decides if it explains more.
+    auto recognised = LocateByRecognition(left, stages);
+    if (recognised && (!located || recognised->frame.pose.inliers > located->pose.inliers)) {
+      located = std::move(recognised->frame);
+      local_map_ = std::move(recognised->local_map);
+      reference_ = local_map_.keyframes.front();
+    }
+  }
   if (located) {
     FinishTracked(stamp_ns, *located, result);
     ConsiderKeyframe(stamp_ns, left, right, *located, result, stages);
@@ -124,6 +132,10 @@ void Tracker::TrackKnownMap(std::int64_t stamp_ns, const cv::Mat& left, const Ri
   result.state = TrackingState::kLost;
   ++frames_lost_;
   if (frames_lost_ >= options_.frames_until_new_map) StartMap(stamp_ns, left, right, result, stages);
+}
+
+bool Tracker::IsTrusted(const LocatedFrame& located, int min_inliers) const {
+  return located.pose.inliers >= min_inliers && located.pose.inliers >= options_.min_agreement * located.found;
 }
 
 std::optional<LocatedFrame> Tracker::LocateByMotion(std::int64_t stamp_ns, StageRecorder& stages) {
@@ -139,19 +151,26 @@ std::optional<LocatedFrame> Tracker::LocateByMotion(std::int64_t stamp_ns, Stage
   StageScope scope(stages, "tracking.local_map");
   auto located =
       LocateFrame(current_image_, camera_, current_from_previous * *previous_pose, local_map_, options_.search);
-  if (!located || located->pose.inliers < options_.min_inliers) return std::nullopt;
+  if (located && located->pose.inliers < options_.weak_inliers) {
+    // From a poor prediction the first search finds little; from its result the second finds the rest.
+    auto again = LocateFrame(current_image_, camera_, located->pose.camera_from_map, local_map_, options_.search);
+    if (again && again->pose.inliers > located->pose.inliers) located = std::move(again);
+  }
+  if (!located || !IsTrusted(*located, options_.min_inliers)) return std::nullopt;
   return located;
 }
 
-std::optional<LocatedFrame> Tracker::LocateByRecognition(const cv::Mat& left, StageRecorder& stages) {
+std::optional<Tracker::RecognisedFrame> Tracker::LocateByRecognition(const cv::Mat& left, StageRecorder& stages) {
   StageScope scope(stages, "tracking.relocalization");
   const Features features = builder_.Extract(left);
   const auto recognised = Relocalize(camera_, features, *atlas_, local_map_.keyframes, options_.relocalization, seed_);
   if (!recognised) return std::nullopt;
-  RebuildLocalMap(recognised->keyframe);
-  auto located = LocateFrame(current_image_, camera_, recognised->camera_from_map, local_map_, options_.search);
-  if (!located || located->pose.inliers < options_.min_recovery_inliers) return std::nullopt;
-  return located;
+  RecognisedFrame result;
+  result.local_map = CollectLocalMap(*atlas_, recognised->keyframe, templates_, local_map_, options_.local_map);
+  auto located = LocateFrame(current_image_, camera_, recognised->camera_from_map, result.local_map, options_.search);
+  if (!located || !IsTrusted(*located, options_.min_recovery_inliers)) return std::nullopt;
+  result.frame = std::move(*located);
+  return result;
 }
 
 void Tracker::FinishTracked(std::int64_t stamp_ns, const LocatedFrame& located, TrackingResult& result) {

@@ -74,13 +74,20 @@ class Tracker {
     Rigid3d camera_from_reference;
   };
 
+  // A frame found without a prediction, and the local map of the place, which its matches refer to.
+  struct RecognisedFrame {
+    LocatedFrame frame;
+    LocalMap local_map;
+  };
+
   void AdoptSnapshot(const std::shared_ptr<const Atlas>& atlas);
   void RebuildLocalMap(KeyframeId reference);
   std::optional<Rigid3d> PreviousPose() const;
   void TrackKnownMap(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
                      StageRecorder& stages);
+  bool IsTrusted(const LocatedFrame& located, int min_inliers) const;
   std::optional<LocatedFrame> LocateByMotion(std::int64_t stamp_ns, StageRecorder& stages);
-  std::optional<LocatedFrame> LocateByRecognition(const cv::Mat& left, StageRecorder& stages);
+  std::optional<RecognisedFrame> LocateByRecognition(const cv::Mat& left, StageRecorder& stages);
   void FinishTracked(std::int64_t stamp_ns, const LocatedFrame& located, TrackingResult& result);
   void ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
                         const LocatedFrame& located, TrackingResult& result, StageRecorder& stages);

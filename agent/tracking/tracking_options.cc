@@ -17,6 +17,7 @@ Status InRange(const char* name, T value, T low, T high) {
 Status TrackingOptions::Check() const {
   for (const Status& status : {
            InRange("min_inliers", min_inliers, 6, 1000),
+           InRange("min_agreement", min_agreement, 0.0, 1.0),
            InRange("min_recovery_inliers", min_recovery_inliers, 6, 1000),
            InRange("min_start_points", min_start_points, 20, 5000),
            InRange("frames_until_new_map", frames_until_new_map, 1, 100000),

@@ -12,7 +12,11 @@
 namespace pangaea {
 
 struct TrackingOptions {
-  int min_inliers = 20;               // landmarks that a tracked frame's pose rests on, at least
+  int min_inliers = 20;  // landmarks that a tracked frame's pose rests on, at least
+  // ... and the share of the landmarks found in the image that agree with it: at a true pose nearly all do, at a wrong
+  // one patches are found by chance and contradict each other.
+  double min_agreement = 0.5;
+  int weak_inliers = 60;  // with fewer the frame is searched again, and compared with what descriptors recognise
   int min_recovery_inliers = 30;      // ... after the camera was lost: a wrong place must not pass
   int min_start_points = 100;         // keypoints with depth that a new map starts from, at least
   int frames_until_new_map = 20;      // lost frames before the map is closed and a new one started; 1 s at 20 Hz
