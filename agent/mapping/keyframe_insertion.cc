@@ -60,7 +60,7 @@ Rigid3d RefineOnLandmarks(const Atlas& atlas, const KeyframeCandidate& candidate
   for (const auto& [id, index] : landmarks) {
     const Keypoint& keypoint = candidate.data->features.keypoints[index];
     observations.push_back({.point_in_map = atlas.FindLandmark(id)->point_in_map,
-                            .measurement = MeasurementOf(keypoint),
+                            .measurement = ReliableMeasurementOf(candidate.data->camera, keypoint, noise),
                             .inverse_sigma = 1.0 / SigmaOf(keypoint, noise)});
   }
   std::vector<std::uint8_t> inliers(observations.size());

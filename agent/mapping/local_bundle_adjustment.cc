@@ -46,10 +46,11 @@ void AddPoints(const Atlas& atlas, const std::vector<LandmarkId>& landmarks, con
       if (pose == problem.pose_index.end()) continue;
       const Keyframe& keyframe = *atlas.FindKeyframe(observation.keyframe);
       const Keypoint& keypoint = keyframe.data->features.keypoints[observation.keypoint];
-      problem.bundle.observations.push_back({.pose = pose->second,
-                                             .point = point,
-                                             .measurement = MeasurementOf(keypoint),
-                                             .inverse_sigma = 1.0 / SigmaOf(keypoint, noise)});
+      problem.bundle.observations.push_back(
+          {.pose = pose->second,
+           .point = point,
+           .measurement = ReliableMeasurementOf(keyframe.data->camera, keypoint, noise),
+           .inverse_sigma = 1.0 / SigmaOf(keypoint, noise)});
       problem.keyframe_of_observation.push_back(observation.keyframe);
     }
   }

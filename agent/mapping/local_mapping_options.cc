@@ -81,6 +81,7 @@ void CheckAdjustment(const LocalBundleAdjustmentOptions& adjustment, RangeCheck&
 Status LocalMappingOptions::Check() const {
   RangeCheck check;
   check.In("noise.pixel_sigma", noise.pixel_sigma, 0.01, 100);
+  check.In("noise.max_depth_baselines", noise.max_depth_baselines, 1, 10000);
   CheckSearch(search, check);
   CheckCreation(creation, check);
   CheckCulling(*this, check);

@@ -99,6 +99,9 @@ struct KeyframeCullingOptions {
 // See measurement_noise.h.
 struct MeasurementNoiseOptions {
   double pixel_sigma = 1.0;  // standard deviation of u, v and u_right at octave 0, pixels
+  // Depth beyond so many baselines is measured by motion alone. An error of the rig's calibration moves all disparities
+  // alike, which for far points is a large part of the depth: it would stretch the map.
+  double max_depth_baselines = 40.0;
 };
 
 struct LocalMappingOptions {

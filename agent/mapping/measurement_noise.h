@@ -3,13 +3,23 @@
 #include <Eigen/Core>
 
 #include "agent/mapping/local_mapping_options.h"
+#include "common/geometry/ideal_camera.h"
 #include "common/geometry/keypoint.h"
 
 namespace pangaea {
 
-// What a keypoint measures, as estimation wants it: ideal pixel (u, v, u_right), u_right < 0 where unknown.
+// What a keypoint saw, as estimation wants it: ideal pixel (u, v, u_right), u_right < 0 where unknown.
 inline Eigen::Vector3d MeasurementOf(const Keypoint& keypoint) {
   return {keypoint.u, keypoint.v, keypoint.has_depth() ? keypoint.u_right : -1.0};
+}
+
+// The part of it that poses and points may rest on: u_right < 0 also where the point is so far that its disparity says
+// less about the scale than a small error of the calibration.
+inline Eigen::Vector3d ReliableMeasurementOf(const IdealCamera& camera, const Keypoint& keypoint,
+                                             const MeasurementNoiseOptions& options) {
+  const double disparity = keypoint.u - keypoint.u_right;
+  const bool reliable = keypoint.has_depth() && disparity * options.max_depth_baselines >= camera.focal_x;
+  return {keypoint.u, keypoint.v, reliable ? keypoint.u_right : -1.0};
 }
 
 // How far, in pixels, a keypoint may be from the truth: one standard deviation. The one place that decides it.

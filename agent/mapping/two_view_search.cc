@@ -80,7 +80,7 @@ PointView ViewOf(const Keyframe& keyframe, std::uint32_t index, const Measuremen
   const Keypoint& keypoint = keyframe.data->features.keypoints[index];
   return {.camera = keyframe.data->camera,
           .camera_from_map = keyframe.camera_from_map,
-          .measurement = MeasurementOf(keypoint),
+          .measurement = ReliableMeasurementOf(keyframe.data->camera, keypoint, noise),
           .inverse_sigma = 1.0 / SigmaOf(keypoint, noise)};
 }
 

@@ -40,10 +40,11 @@ Status ReadAgentConfig(const std::filesystem::path& path, AgentOptions& options)
   reader->Read("mapping.fixed_keyframes", &mapping.bundle_adjustment.fixed_keyframes, Range{1, 500});
   reader->Read("mapping.iterations", &mapping.bundle_adjustment.iterations, Range{1, 100});
   reader->Read("mapping.pixel_sigma", &mapping.noise.pixel_sigma, Range{0.05, 10.0});
+  reader->Read("mapping.max_depth_baselines", &mapping.noise.max_depth_baselines, Range{1.0, 10000.0});
   reader->Read("mapping.search_radius", &mapping.search.radius, Range{0.5, 100.0});
   reader->Read("mapping.redundant_ratio", &mapping.keyframe_culling.redundant_ratio, Range{0.1, 1.0});
   reader->Read("uplink.queue_batches", &options.uplink.queue_batches, Range{1, 10000});
-  reader->Read("uplink.envelope_bytes", &options.uplink.envelope_bytes, Range{1000, 1000000});
+  reader->Read("uplink.envelope_bytes", &options.uplink.edits.envelope_bytes, Range{1000, 1000000});
   if (auto status = reader->Finish(); !status) return status;
   return options.Check();
 }

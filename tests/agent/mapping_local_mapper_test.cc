@@ -23,10 +23,18 @@ using testing::SyntheticWorldOptions;
 
 constexpr SessionId kSession = 1;
 
+// The synthetic rig is calibrated exactly, so that depth may be believed at any distance.
+LocalMappingOptions ExactRig() {
+  LocalMappingOptions options;
+  options.noise.max_depth_baselines = 10000.0;
+  return options;
+}
+
 // A mapper that walks through a synthetic world.
 class Walk {
  public:
-  explicit Walk(const SyntheticWorldOptions& world_options = {}, const LocalMappingOptions& mapping_options = {})
+  explicit Walk(const SyntheticWorldOptions& world_options = {},
+                const LocalMappingOptions& mapping_options = ExactRig())
       : world(world_options), mapper(kSession, mapping_options) {}
 
   KeyframeId Visit(const Rigid3d& camera_from_world, std::stop_token stop = {}) {
@@ -109,7 +117,7 @@ TEST(LocalMapper, OneCornerBecomesOneLandmark) {
 
 TEST(LocalMapper, SeeingTheStartAgainObservesItsLandmarksAndTakesBackTheDrift) {
   Walk blind({}, [] {
-    LocalMappingOptions options;
+    LocalMappingOptions options = ExactRig();
     options.search.neighbourhood.overlapping = 0;
     options.search.neighbourhood.second_of_each = 0;
     return options;
