@@ -1,5 +1,7 @@
 #include "agent/runtime/uplink_thread.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <future>
 #include <optional>
@@ -8,7 +10,6 @@
 #include <variant>
 
 #include "agent/runtime/spill_file.h"
-#include "agent/uplink/edit_packing.h"
 #include "common/base/bounded_queue.h"
 #include "common/base/mutex.h"
 #include "common/dds/reader.h"
@@ -49,8 +50,7 @@ class UplinkLoop final : public UplinkThread {
         endpoints_(std::move(endpoints)),
         events_(options_.queue_batches),
         spill_(options_.spill_path),
-        planner_(options_.planner),
-        retained_(options_.retained, &spill_),
+        stream_(session_.session, options_.edits, &spill_),
         waiter_(std::move(waiter)) {}
   ~UplinkLoop() override { Stop(); }
 
@@ -102,7 +102,8 @@ class UplinkLoop final : public UplinkThread {
         event = events_.Pop();
       }
       if (event) std::visit([this](auto& e) { Handle(e); }, *event);
-      retained_.OnTime(Clock::now());
+      stream_.retained().OnTime(Clock::now());
+      Continue();
       SendWhatFits();
       FinishFlush();
       PublishCounters();
@@ -111,57 +112,56 @@ class UplinkLoop final : public UplinkThread {
   }
 
   std::optional<Clock::time_point> NextDeadline() const {
-    std::optional<Clock::time_point> wake = retained_.deadline();
+    std::optional<Clock::time_point> wake = stream_.retained().deadline();
     const auto sooner = [&](Clock::time_point time) { wake = wake ? std::min(*wake, time) : time; };
     if (retry_) sooner(*retry_);
     if (flush_) sooner(flush_->deadline);
     return wake;
   }
 
-  void Handle(UplinkBatch& batch) { (void)Plan(batch, PlanKind::kOngoing); }
+  void Handle(UplinkBatch& batch) {
+    NoteFailure(stream_.Take(std::move(batch.snapshot), batch.applied_since, PlanKind::kOngoing));
+  }
 
   void Handle(FlushRequest& request) {
     if (flush_) EndFlush(Fail(ErrorCode::kRefused, "another flush took its place"));
-    own_edits_ = Plan(request.batch, PlanKind::kFlush);
+    NoteFailure(stream_.Take(std::move(request.batch.snapshot), request.batch.applied_since, PlanKind::kFlush));
     flush_ = std::move(request);
   }
 
   void Handle(EditAck& ack) {
-    for (const Rejection& rejection : retained_.OnAck(ack, Clock::now())) {
-      ++local_.rejections;
+    for (const Rejection& rejection : stream_.OnAck(ack, Clock::now())) {
       local_.last_error = "the server rejected envelope " + std::to_string(rejection.sequence) + ": " + rejection.text;
+      if (local_.rejections++ == 0) spdlog::warn("{}; what it lacks is sent anew", local_.last_error);
     }
     retry_.reset();
   }
 
+  void Continue() {
+    NoteFailure(stream_.Continue());
+    if (stream_.gave_up() && !std::exchange(told_refused_, true)) spdlog::error("{}", Refused().value().message);
+  }
+
   // A reader that is new has none of what was sent to others, even where the lease of a killed one still runs.
   void Handle(MatchChange& change) {
-    if (change.change > 0) retained_.OnServerPresent(false);
-    retained_.OnServerPresent(change.current > 0);
+    if (change.change > 0) stream_.retained().OnServerPresent(false);
+    stream_.retained().OnServerPresent(change.current > 0);
     local_.server_present = change.current > 0;
     retry_.reset();
   }
 
   void Handle(StopRequest&) { stopping_ = true; }
 
-  std::vector<MapEdit> Plan(const UplinkBatch& batch, PlanKind kind) {
-    UplinkPlan plan = planner_.Plan(*batch.snapshot, batch.applied_since, kind);
-    for (const auto edits : PackEdits(plan.edits, options_.envelope_bytes)) {
-      NoteFailure(retained_.Retain(MakeEnvelope(session_.session, retained_.next_sequence(), 0, edits)));
-    }
-    return std::move(plan.own_edits);
-  }
-
   void SendWhatFits() {
     if (retry_ && Clock::now() < *retry_) return;
     retry_.reset();
     while (!stopping_) {
-      const auto envelope = retained_.NextToSend();
+      const auto envelope = stream_.retained().NextToSend();
       if (!envelope) return Retry(envelope.error());
       if (!envelope->has_value()) return;
       const Status status = endpoints_.edits.Write(**envelope);
       if (!status) return Retry(status.error());
-      retained_.OnSent((*envelope)->sequence, Clock::now());
+      stream_.retained().OnSent((*envelope)->sequence, Clock::now());
       ++local_.envelopes_sent;
       local_.bytes_sent += (*envelope)->edits.size();
     }
@@ -178,25 +178,30 @@ class UplinkLoop final : public UplinkThread {
 
   void FinishFlush() {
     if (!flush_) return;
-    if (retained_.all_acknowledged()) {
-      if (local_.rejections == 0) return EndFlush(std::move(own_edits_));
-      return EndFlush(Fail(ErrorCode::kRefused, local_.last_error));
-    }
+    if (stream_.finished()) return stream_.gave_up() ? EndFlush(Refused()) : EndFlush(stream_.own_edits());
     if (Clock::now() >= flush_->deadline) EndFlush(Unsent("in time"));
   }
 
   void EndFlush(Result<std::vector<MapEdit>> result) {
+    PublishCounters();  // whoever waits may ask at once
     flush_->done->set_value(std::move(result));
     flush_.reset();
   }
 
+  tl::unexpected<Error> Refused() const {
+    return Fail(ErrorCode::kRefused,
+                "the server goes on rejecting edits and lacks part of this map (" + std::to_string(local_.rejections) +
+                    " rejections, " + std::to_string(stream_.repairs()) + " repairs); the last: " + local_.last_error);
+  }
+
   // Writes what the server may not have into the spill file.
   tl::unexpected<Error> Unsent(const std::string& when) {
-    Status spilled;
-    retained_.ForEachInMemory([&](const Envelope& envelope) {
+    Status spilled = stream_.PlanRest();
+    stream_.retained().ForEachInMemory([&](const Envelope& envelope) {
       if (spilled) spilled = spill_.Append(envelope);
     });
-    const std::uint64_t count = retained_.last_sequence() - retained_.acknowledged();
+    const RetainedEdits& retained = stream_.retained();
+    const std::uint64_t count = retained.last_sequence() - retained.acknowledged();
     std::string message = "the server did not acknowledge " + std::to_string(count) + " envelopes " + when;
     message += spilled ? "; they are in " + spill_.path().string() : "; " + spilled.error().message;
     local_.last_error = message;
@@ -204,7 +209,7 @@ class UplinkLoop final : public UplinkThread {
   }
 
   void Leave() {
-    if (!retained_.all_acknowledged()) (void)Unsent("before the end");
+    if (!stream_.finished()) (void)Unsent("before the end");
     if (flush_) EndFlush(Fail(ErrorCode::kUnavailable, "the uplink was stopped"));
     while (auto event = events_.TryPop()) {
       if (auto* late = std::get_if<FlushRequest>(&*event)) {
@@ -217,9 +222,11 @@ class UplinkLoop final : public UplinkThread {
   }
 
   void PublishCounters() EXCLUDES(counters_mutex_) {
-    local_.last_sequence = retained_.last_sequence();
-    local_.acknowledged = retained_.acknowledged();
-    local_.resends = retained_.resends();
+    const RetainedEdits& retained = stream_.retained();
+    local_.last_sequence = retained.last_sequence();
+    local_.acknowledged = retained.acknowledged();
+    local_.resends = retained.resends();
+    local_.repairs = stream_.repairs();
     MutexLock lock(counters_mutex_);
     counters_ = local_;
   }
@@ -230,12 +237,11 @@ class UplinkLoop final : public UplinkThread {
   Endpoints endpoints_;
   BoundedQueue<Event> events_;
   SpillFile spill_;
-  UplinkPlanner planner_;
-  RetainedEdits retained_;
-  std::vector<MapEdit> own_edits_;
+  EditStream stream_;
   std::optional<FlushRequest> flush_;
   std::optional<Clock::time_point> retry_;
   UplinkCounters local_;
+  bool told_refused_ = false;
   bool stopping_ = false;
 
   mutable Mutex counters_mutex_;
@@ -248,11 +254,9 @@ class UplinkLoop final : public UplinkThread {
 }  // namespace
 
 Status UplinkOptions::Check() const {
-  if (Status status = planner.Check(); !status) return status;
-  if (Status status = retained.Check(); !status) return status;
-  if (envelope_bytes >= 1000 && envelope_bytes <= kMaxEnvelopeBytes / 2 && queue_batches > 0) return {};
-  return Fail(ErrorCode::kInvalidArgument, "uplink: envelope_bytes must be 1000 to " +
-                                               std::to_string(kMaxEnvelopeBytes / 2) + ", queue_batches > 0");
+  if (Status status = edits.Check(); !status) return status;
+  if (queue_batches > 0) return {};
+  return Fail(ErrorCode::kInvalidArgument, "uplink: queue_batches is 0, allowed is 1 or more");
 }
 
 Result<std::unique_ptr<UplinkThread>> UplinkThread::Start(const Participant& participant, SessionAnnouncement session,

@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "agent/uplink/retained_edits.h"
-#include "agent/uplink/uplink_planner.h"
+#include "agent/uplink/edit_stream.h"
 #include "common/base/result.h"
 #include "common/dds/participant.h"
 #include "common/map/atlas.h"
@@ -17,10 +16,8 @@
 namespace pangaea {
 
 struct UplinkOptions {
-  UplinkPlannerOptions planner;
-  RetainedEditsOptions retained;
-  std::size_t envelope_bytes = 200'000;  // edits are split at about this size, at which DDS is fastest
-  std::size_t queue_batches = 64;        // mapping waits when the uplink is this far behind
+  EditStreamOptions edits;
+  std::size_t queue_batches = 64;  // mapping waits when the uplink is this far behind
   // Where envelopes go when memory is full, and what is left unsent at the end. Empty: pangaea-<session>.spill in the
   // current folder.
   std::filesystem::path spill_path;
@@ -41,6 +38,7 @@ struct UplinkCounters {
   std::uint64_t acknowledged = 0;
   std::uint64_t resends = 0;  // how often it went back to the last ack
   std::uint64_t rejections = 0;
+  std::uint64_t repairs = 0;  // how often it planned anew what was missing after rejections
   bool server_present = false;
   std::string last_error;  // empty: none
 };
@@ -59,7 +57,8 @@ class UplinkThread {
 
   // Sends everything in `batch` exactly and waits until the server acknowledged it. Returns the edits the agent applies
   // to its own atlas so that it equals the server's bit by bit on the digest's grid; usually none. kUnavailable when
-  // the time is over first: what is not acknowledged is then in the spill file, which the message names.
+  // the time is over first: what is not acknowledged is then in the spill file, which the message names. kRefused when
+  // the server rejects something for good.
   virtual Result<std::vector<MapEdit>> Flush(UplinkBatch batch, std::chrono::milliseconds patience) = 0;
 
   // Announces the orderly end and stops the thread. What was not acknowledged is left in the spill file. The destructor

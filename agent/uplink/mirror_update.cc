@@ -134,8 +134,13 @@ void MirrorUpdate::AddLoopEdges() {
   }
 }
 
-void MirrorUpdate::CloseMaps() {
+void MirrorUpdate::CloseMaps(const std::set<KeyframeId>& unsent) {
+  std::set<MapId> growing;
+  for (const KeyframeId id : unsent) {
+    if (const Keyframe* keyframe = agent_.FindKeyframe(id)) growing.insert(keyframe->map);
+  }
   for (const MapId id : agent_.Maps()) {
+    if (growing.contains(id)) continue;
     const MapInfo* present = mirror_.FindMap(id);
     if (present != nullptr && !present->closed && agent_.FindMap(id)->closed) Emit(CloseMap{id});
   }

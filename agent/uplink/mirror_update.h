@@ -38,7 +38,8 @@ class MirrorUpdate {
   // The frames these keyframes hold, where they are new or differ by more than the thresholds for keyframes.
   void AddFrames(const std::set<KeyframeId>& keyframes, const MoveThresholds& thresholds);
   void AddLoopEdges();
-  void CloseMaps();
+  // But those that keyframes of `unsent` belong to.
+  void CloseMaps(const std::set<KeyframeId>& unsent);
 
   // Applies one edit to the mirror and adds it to the others. False, and left out, where the mirror refuses it: an
   // absolute number was fine, but its relative form is beyond what an edit may carry.

@@ -31,13 +31,19 @@ Status RetainedEdits::Retain(Envelope envelope) {
   return status;
 }
 
+Result<Envelope> RetainedEdits::Find(std::uint64_t sequence) {
+  if (sequence <= acked_ || sequence > last_) return Fail(ErrorCode::kNotFound, "this envelope is not retained");
+  const Slot& slot = SlotOf(sequence);
+  if (slot.envelope) return *slot.envelope;
+  return spill_->Read(sequence);
+}
+
 Result<std::optional<Envelope>> RetainedEdits::NextToSend() {
   if (!server_present_ || sent_ == last_) return std::optional<Envelope>();
   const Slot& slot = SlotOf(sent_ + 1);
   // One envelope always fits, however large.
   if (in_flight_ > 0 && in_flight_ + slot.bytes > options_.in_flight_bytes) return std::optional<Envelope>();
-  if (slot.envelope) return slot.envelope;
-  auto envelope = spill_->Read(slot.sequence);
+  auto envelope = Find(slot.sequence);
   if (!envelope) return tl::make_unexpected(envelope.error());
   return std::optional<Envelope>(std::move(*envelope));
 }

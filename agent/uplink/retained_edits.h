@@ -48,6 +48,8 @@ class RetainedEdits {
   // Takes the envelope in any case; an error says that the spill sink refused it and that it stays in memory.
   Status Retain(Envelope envelope);
 
+  // One that is not acknowledged, from memory or the spill sink; kNotFound where there is none such.
+  Result<Envelope> Find(std::uint64_t sequence);
   // The envelope to send next; none while the window is full, everything was sent, or there is no server. An error:
   // the spill sink lost it. Call OnSent when it went out.
   Result<std::optional<Envelope>> NextToSend();

@@ -29,7 +29,7 @@ Status UplinkPlannerOptions::Check() const {
 }
 
 UplinkPlan UplinkPlanner::Plan(const Atlas& snapshot, std::span<const MapEdit> applied_since, PlanKind kind) {
-  for (const MapEdit& edit : applied_since) Mark(snapshot, edit);
+  Note(snapshot, applied_since);
   if (kind == PlanKind::kFlush || std::exchange(everything_is_new_, false)) MarkEverything(snapshot);
 
   UplinkPlan plan;
@@ -46,9 +46,18 @@ UplinkPlan UplinkPlanner::Plan(const Atlas& snapshot, std::span<const MapEdit> a
   update.MoveLandmarks(std::exchange(moved_landmarks_, {}), thresholds);
   update.AddFrames(std::exchange(keyframes_with_frames_, {}), thresholds);
   update.AddLoopEdges();
-  update.CloseMaps();
   if (kind == PlanKind::kFlush) plan.own_edits = AgreeOnDigest(snapshot, mirror_, plan.edits);
   return plan;
+}
+
+std::vector<MapEdit> UplinkPlanner::PlanClosing(const Atlas& snapshot) {
+  std::vector<MapEdit> edits;
+  MirrorUpdate(snapshot, mirror_, edits).CloseMaps(unsent_);
+  return edits;
+}
+
+void UplinkPlanner::Note(const Atlas& snapshot, std::span<const MapEdit> applied_since) {
+  for (const MapEdit& edit : applied_since) Mark(snapshot, edit);
 }
 
 void UplinkPlanner::AdoptMirror(Atlas mirror) {

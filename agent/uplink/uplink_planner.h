@@ -50,6 +50,12 @@ class UplinkPlanner {
   // `snapshot` is the agent's atlas after `applied_since`, the edits applied to it since the previous call's snapshot.
   UplinkPlan Plan(const Atlas& snapshot, std::span<const MapEdit> applied_since, PlanKind kind);
 
+  // The maps that the agent closed and the server has not. For when the server has taken everything else: a closed map
+  // takes no more keyframes, not even those of a repair.
+  std::vector<MapEdit> PlanClosing(const Atlas& snapshot);
+  // As far as Plan learns from it, without planning: the edits come with the next plan.
+  void Note(const Atlas& snapshot, std::span<const MapEdit> applied_since);
+
   const Atlas& mirror() const { return mirror_; }
   // The server turned out to have this instead: envelopes were rejected. The next plan sends what differs.
   void AdoptMirror(Atlas mirror);

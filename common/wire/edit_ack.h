@@ -11,13 +11,13 @@ namespace pangaea {
 // Why an envelope was refused as a whole. On the wire an integer: other values may come from newer servers.
 enum class RejectionReason : std::uint32_t {
   kUnspecified = 0,
-  kWireVersion = 1,       // a wire version the server does not know
-  kChecksum = 2,          // the octets are not those the checksum was made of
-  kTooLarge = 3,          // larger than kMaxEnvelopeBytes
-  kMalformed = 4,         // the octets do not decode
-  kInvalid = 5,           // decoded, but an edit has impossible numbers or does not fit the atlas
-  kUnknownReference = 6,  // an edit refers to a keyframe or landmark the server does not have
-  kForeignSession = 7,    // the sender does not own the ids it uses
+  kUnknownWireVersion = 1,  // a wire version the server does not know
+  kChecksum = 2,            // the octets are not those the checksum was made of
+  kTooLarge = 3,            // larger than kMaxEnvelopeBytes
+  kMalformed = 4,           // the octets do not decode
+  kInvalid = 5,             // decoded, but an edit has impossible numbers or does not fit the atlas
+  kUnknownReference = 6,    // an edit refers to a keyframe or landmark the server does not have
+  kForeignSession = 7,      // the sender does not own the ids it uses
 };
 
 struct Rejection {

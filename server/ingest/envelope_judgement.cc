@@ -8,7 +8,7 @@ namespace {
 RejectionReason ReasonOfHeader(ErrorCode code) {
   switch (code) {
     case ErrorCode::kUnsupported:
-      return RejectionReason::kWireVersion;
+      return RejectionReason::kUnknownWireVersion;
     case ErrorCode::kCorrupt:
       return RejectionReason::kChecksum;
     default:

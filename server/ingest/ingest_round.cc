@@ -39,8 +39,8 @@ void IngestRound::Take(EnvelopeArrived input) {
     return;
   }
   Answer& answer = answers_[envelope.session];
-  answer.acknowledge = true;
-  if (admission == Admission::kDuplicate) answer.rejections = session->RecentRejections();
+  // Earlier rejections go with every ack: an agent that missed one would believe that its envelope was taken.
+  if (!std::exchange(answer.acknowledge, true)) answer.rejections = session->RecentRejections();
   if (admission == Admission::kNext) Judge(std::move(envelope), *session);
 }
 

@@ -51,6 +51,7 @@ TEST_P(UplinkPlannerHistory, AfterAFlushTheServersAtlasEqualsTheAgents) {
   ASSERT_GT(server.keyframe_count(), 0U);
   const UplinkPlan flush = planner.Plan(agent.atlas(), agent.Take(), PlanKind::kFlush);
   Deliver(flush, server);
+  Deliver({planner.PlanClosing(agent.atlas()), {}}, server);
   Atlas own = agent.atlas();
   ApplyAll(flush.own_edits, own);
   EXPECT_EQ(Digest(server), Digest(own));
@@ -182,8 +183,11 @@ TEST(UplinkPlanner, ClosingAMapSendsAllOfItFirst) {
   line.Do(CloseMap{{kSession, 1}});
   const UplinkPlan plan = line.Plan(planner);
   EXPECT_EQ(CountOf<AddKeyframe>(plan), 2U);
-  ASSERT_FALSE(plan.edits.empty());
-  EXPECT_TRUE(std::holds_alternative<CloseMap>(plan.edits.back()));
+  EXPECT_EQ(CountOf<CloseMap>(plan), 0U);
+  const std::vector<MapEdit> closing = planner.PlanClosing(line.atlas);
+  ASSERT_EQ(closing.size(), 1U);
+  EXPECT_TRUE(std::holds_alternative<CloseMap>(closing.front()));
+  EXPECT_TRUE(planner.PlanClosing(line.atlas).empty());
 }
 
 TEST(UplinkPlanner, NumbersOnABoundaryOfTheDigestsGridAreMovedOnBothSidesAlike) {

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <map>
 
 #include "agent/runtime/spill_file.h"
@@ -29,8 +30,8 @@ std::filesystem::path SpillPath() {
 UplinkOptions Options() {
   UplinkOptions options;
   options.spill_path = SpillPath();
-  options.envelope_bytes = 2000;
-  options.retained.first_timeout = 100ms;
+  options.edits.envelope_bytes = 2000;
+  options.edits.retained.first_timeout = 100ms;
   return options;
 }
 
@@ -47,6 +48,7 @@ struct Durable {
   Atlas atlas;
   std::uint64_t up_to = 0;
   std::uint64_t incarnations = 0;
+  std::function<bool(std::uint64_t)> rejects = [](std::uint64_t) { return false; };  // by sequence
 };
 
 // One run of a server: applies what comes in order, and acks. Its callbacks are its only thread.
@@ -76,14 +78,24 @@ class ModelServer {
  private:
   void Take(const Envelope& envelope) {
     ASSERT_TRUE(CheckEnvelope(envelope));
+    std::vector<Rejection> rejections;
     if (envelope.sequence == durable_.up_to + 1) {
       const auto edits = DecodeEdits(envelope.edits);
       ASSERT_TRUE(edits);
-      for (const MapEdit& edit : *edits) ASSERT_TRUE(Apply(edit, durable_.atlas));
+      if (!TakeWhole(*edits)) rejections.push_back({envelope.sequence, RejectionReason::kInvalid, "no such luck"});
       durable_.up_to = envelope.sequence;
       taken.PushNewest(envelope.sequence);
     }
-    EXPECT_TRUE(acks_.Write({envelope.session, durable_.up_to, incarnation_, {}}));
+    EXPECT_TRUE(acks_.Write({envelope.session, durable_.up_to, incarnation_, std::move(rejections)}));
+  }
+  bool TakeWhole(const std::vector<MapEdit>& edits) {
+    if (durable_.rejects(durable_.up_to + 1)) return false;
+    Atlas changed = durable_.atlas;
+    for (const MapEdit& edit : edits) {
+      if (!Apply(edit, changed)) return false;
+    }
+    durable_.atlas = std::move(changed);
+    return true;
   }
 
   Durable& durable_;
@@ -193,11 +205,39 @@ TEST(UplinkThread, ALinkThatWasCutLosesNothing) {
   EXPECT_EQ(Digest(durable.atlas), Digest(agent.Adopted(*own_edits)));
 }
 
+TEST(UplinkThread, WhatTheServerRejectsIsSentAnew) {
+  TestNode server_node(2);
+  Durable durable;
+  durable.rejects = [](std::uint64_t sequence) { return sequence % 7 == 2; };
+  ModelServer server(server_node.participant, durable);
+  Agent agent(7);
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(agent.uplink->Submit(agent.Work(50)));
+  const auto own_edits = agent.uplink->Flush(agent.Work(20), 20s);
+  ASSERT_TRUE(own_edits) << own_edits.error().message;
+  server.Stop();
+  EXPECT_EQ(Digest(durable.atlas), Digest(agent.Adopted(*own_edits)));
+  EXPECT_GT(agent.uplink->counters().rejections, 0U);
+  EXPECT_GT(agent.uplink->counters().repairs, 0U);
+}
+
+TEST(UplinkThread, AServerThatRejectsEverythingIsTold) {
+  TestNode server_node(2);
+  Durable durable;
+  durable.rejects = [](std::uint64_t) { return true; };
+  ModelServer server(server_node.participant, durable);
+  Agent agent(8);
+  const auto flushed = agent.uplink->Flush(agent.Work(100), 20s);
+  ASSERT_FALSE(flushed);
+  EXPECT_EQ(flushed.error().code, ErrorCode::kRefused);
+  EXPECT_NE(flushed.error().message.find("no such luck"), std::string::npos) << flushed.error().message;
+  EXPECT_EQ(agent.uplink->counters().repairs, 3U);
+}
+
 TEST(UplinkThread, WithoutAServerAFlushFailsInTimeAndLeavesEverythingInTheSpillFile) {
   std::uint64_t last = 0;
   {
     UplinkOptions options = Options();
-    options.retained.memory_bytes = 10'000;
+    options.edits.retained.memory_bytes = 10'000;
     Agent agent(5, options);
     for (int i = 0; i < 20; ++i) ASSERT_TRUE(agent.uplink->Submit(agent.Work(50)));
     const auto flushed = agent.uplink->Flush(agent.Work(1), 50ms);

@@ -174,7 +174,7 @@ TEST(IngestRound, UnknownWireVersionIsRejectedWhole) {
   ingest.Take({flight.Next()});
   Envelope newer = flight.NextWith({CloseMap{M(1)}});
   newer.wire_version = kWireVersion + 1;
-  ingest.ExpectRejected(flight, newer, RejectionReason::kWireVersion);
+  ingest.ExpectRejected(flight, newer, RejectionReason::kUnknownWireVersion);
 }
 
 TEST(IngestRound, TruncatedMessageIsRejectedWhole) {

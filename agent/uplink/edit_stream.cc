@@ -1,0 +1,118 @@
+#include "agent/uplink/edit_stream.h"
+
+#include <algorithm>
+#include <array>
+#include <set>
+#include <utility>
+
+#include "agent/uplink/edit_packing.h"
+#include "common/wire/envelope.h"
+
+namespace pangaea {
+namespace {
+
+// How much smaller the envelopes of a repair are, by the number of fruitless ones before it. At the end every edit
+// travels alone.
+constexpr std::array<std::size_t, 3> kDivisors = {1, 10, kMaxEnvelopeBytes};
+
+}  // namespace
+
+Status EditStreamOptions::Check() const {
+  if (Status status = planner.Check(); !status) return status;
+  if (Status status = retained.Check(); !status) return status;
+  if (envelope_bytes < 1000 || envelope_bytes > kMaxEnvelopeBytes / 2) {
+    return Fail(ErrorCode::kInvalidArgument, "uplink: envelope_bytes is " + std::to_string(envelope_bytes) +
+                                                 ", allowed is 1000 to " + std::to_string(kMaxEnvelopeBytes / 2));
+  }
+  if (fruitless_repairs >= 1 && repairs >= 1) return {};
+  return Fail(ErrorCode::kInvalidArgument, "uplink: fruitless_repairs and repairs must be >= 1");
+}
+
+Status EditStream::Take(std::shared_ptr<const Atlas> snapshot, std::span<const MapEdit> applied_since, PlanKind kind) {
+  snapshot_ = std::move(snapshot);
+  kind_ = kind;
+  if (!repair_due()) return PlanAll(applied_since, options_.envelope_bytes);
+  planner_.Note(*snapshot_, applied_since);
+  return {};
+}
+
+std::vector<Rejection> EditStream::OnAck(const EditAck& ack, Time now) {
+  const std::uint64_t acknowledged = retained_.acknowledged();
+  if (ack.up_to <= retained_.last_sequence()) Confirm(ack);
+  std::vector<Rejection> rejections = retained_.OnAck(ack, now);
+  // A rejection that was lost on its way with an earlier ack: that envelope counts as taken here, and what the server
+  // has cannot be told any more.
+  const auto late = [&](const Rejection& rejection) { return rejection.sequence <= acknowledged; };
+  if (std::any_of(rejections.begin(), rejections.end(), late)) {
+    in_step_ = false;
+    gave_up_ = true;
+  }
+  return rejections;
+}
+
+void EditStream::Confirm(const EditAck& ack) {
+  std::set<std::uint64_t> rejected;
+  for (const Rejection& rejection : ack.rejections) rejected.insert(rejection.sequence);
+  const std::uint64_t first = retained_.acknowledged() + 1;
+  // Mostly the server has taken everything: then it has what the mirror has.
+  const bool all_taken = rejected.lower_bound(first) == rejected.end();
+  if (in_step_ && all_taken && ack.up_to == retained_.last_sequence()) return confirmed_.Set(planner_.mirror());
+  for (std::uint64_t sequence = first; sequence <= ack.up_to; ++sequence) {
+    const auto envelope = retained_.Find(sequence);
+    const bool taken = !rejected.contains(sequence) && envelope && confirmed_.Take(*envelope, planner_.mirror());
+    in_step_ = in_step_ && taken;
+  }
+}
+
+Status EditStream::Continue() {
+  if (!retained_.all_acknowledged() || snapshot_ == nullptr) return {};
+  if (repair_due()) return Repair();
+  return Retain(planner_.PlanClosing(*snapshot_), options_.envelope_bytes);
+}
+
+Status EditStream::PlanRest() {
+  if (snapshot_ == nullptr) return {};
+  const Status repaired = Repair();
+  const Status closed = Retain(planner_.PlanClosing(*snapshot_), options_.envelope_bytes);
+  return repaired ? closed : repaired;
+}
+
+Status EditStream::Repair() {
+  if (!repair_due() || !CountRepair()) return {};
+  ConfirmedAtlas expected = confirmed_;
+  for (std::uint64_t sequence = retained_.acknowledged() + 1; sequence <= retained_.last_sequence(); ++sequence) {
+    if (const auto envelope = retained_.Find(sequence)) expected.Take(*envelope, planner_.mirror());
+  }
+  planner_.AdoptMirror(expected.atlas());
+  in_step_ = true;
+  const auto attempt = std::min<std::size_t>(static_cast<std::size_t>(fruitless_), kDivisors.size() - 1);
+  return PlanAll({}, options_.envelope_bytes / kDivisors[attempt]);
+}
+
+// False, and given up, when it was tried often enough.
+bool EditStream::CountRepair() {
+  const std::uint64_t confirmed = confirmed_.atlas().version();
+  fruitless_ = repairs_ > 0 && confirmed == confirmed_before_repair_ ? fruitless_ + 1 : 0;
+  gave_up_ = fruitless_ >= options_.fruitless_repairs || std::cmp_greater_equal(repairs_, options_.repairs);
+  if (gave_up_) return false;
+  ++repairs_;
+  confirmed_before_repair_ = confirmed;
+  return true;
+}
+
+Status EditStream::PlanAll(std::span<const MapEdit> applied_since, std::size_t envelope_bytes) {
+  UplinkPlan plan = planner_.Plan(*snapshot_, applied_since, kind_);
+  own_edits_ = std::move(plan.own_edits);
+  return Retain(plan.edits, envelope_bytes);
+}
+
+Status EditStream::Retain(std::span<const MapEdit> edits, std::size_t envelope_bytes) {
+  Status result;
+  for (const auto run : PackEdits(edits, envelope_bytes)) {
+    const Status status = retained_.Retain(MakeEnvelope(session_, retained_.next_sequence(), 0, run));
+    if (!status) result = status;
+  }
+  return result;
+}
+
+}  // namespace pangaea
