@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -17,6 +19,22 @@ struct WordWeight {
 // What an image shows, in words: ascending by word, weights positive, their sum 1 (or no word at all). Bags are
 // comparable where they come from the same vocabulary.
 using BagOfWords = std::vector<WordWeight>;
+
+// Calls visit(index in a, smaller of the two weights) for each word of both, ascending.
+template <typename Visit>
+void ForEachCommonWord(const BagOfWords& a, const BagOfWords& b, Visit&& visit) {
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (a[i].word < b[j].word) {
+      ++i;
+    } else if (b[j].word < a[i].word) {
+      ++j;
+    } else {
+      visit(i, std::min(a[i].weight, b[j].weight));
+      ++i, ++j;
+    }
+  }
+}
 
 // The L1 score 1 - |a - b| / 2 of Galvez-Lopez and Tardos 2012, Eq. (2), from 0 (no common word) to 1 (the same bag).
 // As both sum to 1, it is the sum of the smaller weights over the common words (Nister and Stewenius 2006, Eq. (5)).

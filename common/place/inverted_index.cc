@@ -1,11 +1,21 @@
 #include "common/place/inverted_index.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "common/base/check.h"
 
 namespace pangaea {
+namespace {
+
+// As if there were one keyframe more, in which every word was shown half: no word is infinitely rare. In an index of a
+// few keyframes all words are still common, so that scores are low there: nobody knows yet what tells places apart.
+constexpr double kUnseenKeyframes = 1.0;
+constexpr double kUnseenShowings = 0.5;
+
+}  // namespace
 
 Status PlaceQueryOptions::Check() const {
   if (candidates == 0 || rescored < candidates) {
@@ -58,9 +68,13 @@ const BagOfWords* InvertedIndex::Find(const KeyframeId& keyframe) const {
 PlaceCandidates InvertedIndex::Query(const BagOfWords& bag, const PlaceQueryOptions& options,
                                      const Admits& admits) const {
   PlaceCandidates answer;
-  const std::vector<float> scores = Accumulate(bag, answer, options.posting_budget);
+  const std::vector<float> rarities = Rarities(bag);
+  const std::vector<float> scores = Accumulate(bag, rarities, options.posting_budget, answer.postings_read);
   for (const Slot slot : BestSlots(scores, options.rescored, admits)) {
-    const double score = Similarity(bag, documents_[slot].bag);
+    double score = 0.0;
+    ForEachCommonWord(bag, documents_[slot].bag, [&](std::size_t i, float smaller) {
+      score += static_cast<double>(smaller) * static_cast<double>(rarities[i]);
+    });
     if (score >= options.min_score) answer.ranked.push_back({documents_[slot].keyframe, score});
   }
   std::ranges::sort(answer.ranked, [](const PlaceCandidate& a, const PlaceCandidate& b) {
@@ -70,19 +84,34 @@ PlaceCandidates InvertedIndex::Query(const BagOfWords& bag, const PlaceQueryOpti
   return answer;
 }
 
-// Scores by slot, over the rarest words of the bag.
-std::vector<float> InvertedIndex::Accumulate(const BagOfWords& bag, PlaceCandidates& answer, std::size_t budget) const {
-  BagOfWords rarest_first = bag;
-  std::ranges::stable_sort(rarest_first, {}, [&](const WordWeight& entry) {
+// The inverse document frequency of each word of the bag in this index, as a share of that of a word never seen.
+std::vector<float> InvertedIndex::Rarities(const BagOfWords& bag) const {
+  const double keyframes = static_cast<double>(size()) + kUnseenKeyframes;
+  const double highest = std::log(keyframes / kUnseenShowings);
+  std::vector<float> rarities;
+  rarities.reserve(bag.size());
+  for (const WordWeight& entry : bag) {
     PANGAEA_CHECK(entry.word < postings_.size());
-    return postings_[entry.word].size();
-  });
+    const double showings = static_cast<double>(postings_[entry.word].size()) + kUnseenShowings;
+    rarities.push_back(static_cast<float>(std::log(keyframes / showings) / highest));
+  }
+  return rarities;
+}
+
+// Scores by slot, over the rarest words of the bag.
+std::vector<float> InvertedIndex::Accumulate(const BagOfWords& bag, const std::vector<float>& rarities,
+                                             std::size_t budget, std::size_t& postings_read) const {
+  std::vector<std::uint32_t> rarest_first(bag.size());
+  std::iota(rarest_first.begin(), rarest_first.end(), 0U);
+  std::ranges::stable_sort(rarest_first, {}, [&](std::uint32_t i) { return postings_[bag[i].word].size(); });
   std::vector<float> scores(documents_.size(), 0.0F);
-  for (const WordWeight& entry : rarest_first) {
-    const std::vector<Posting>& postings = postings_[entry.word];
-    if (postings.size() > budget - answer.postings_read) break;
-    answer.postings_read += postings.size();
-    for (const Posting& posting : postings) scores[posting.slot] += std::min(posting.weight, entry.weight);
+  for (const std::uint32_t i : rarest_first) {
+    const std::vector<Posting>& postings = postings_[bag[i].word];
+    if (postings.size() > budget - postings_read) break;
+    postings_read += postings.size();
+    for (const Posting& posting : postings) {
+      scores[posting.slot] += std::min(posting.weight, bag[i].weight) * rarities[i];
+    }
   }
   return scores;
 }

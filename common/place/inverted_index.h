@@ -15,7 +15,7 @@ namespace pangaea {
 struct PlaceQueryOptions {
   // Candidates wanted at most. Geometric verification costs milliseconds each.
   std::size_t candidates = 10;
-  // Candidates below this L1 score are not worth verifying.
+  // Candidates below this score are not worth verifying.
   double min_score = 0.0;
   // Postings read at most. Words are taken rarest first, so that it is the words which many keyframes show, and which
   // tell least, that are left out: the cost of a query is bounded, however large the atlas. 2,000 keyframes of 1,000
@@ -29,7 +29,7 @@ struct PlaceQueryOptions {
 
 struct PlaceCandidate {
   KeyframeId keyframe;
-  double score = 0.0;  // L1, exact
+  double score = 0.0;  // exact; see InvertedIndex::Query
   bool operator==(const PlaceCandidate&) const = default;
 };
 
@@ -53,8 +53,11 @@ class InvertedIndex {
   // nullptr where the keyframe is not in the index. Valid until the next Add or Remove.
   const BagOfWords* Find(const KeyframeId& keyframe) const;
 
-  // `admits`: which keyframes may be candidates (not the query's own neighbours, for example); asked for the best
-  // alone, until there are enough. Empty: all.
+  // The keyframes most like `bag`. The score is the L1 score (Similarity) in which each common word counts by its
+  // rarity in this index, 0 to 1: what a whole room is made of says little about where in it one is, and the
+  // vocabulary, trained elsewhere, cannot know it. So the score is below 1 even for the same bag. `admits`: which
+  // keyframes may be candidates (not the query's own neighbours, for example); asked for the best alone, until there
+  // are enough. Empty: all.
   using Admits = std::function<bool(const KeyframeId&)>;
   PlaceCandidates Query(const BagOfWords& bag, const PlaceQueryOptions& options = {}, const Admits& admits = {}) const;
 
@@ -70,7 +73,9 @@ class InvertedIndex {
     BagOfWords bag;
   };
 
-  std::vector<float> Accumulate(const BagOfWords& bag, PlaceCandidates& answer, std::size_t budget) const;
+  std::vector<float> Rarities(const BagOfWords& bag) const;
+  std::vector<float> Accumulate(const BagOfWords& bag, const std::vector<float>& rarities, std::size_t budget,
+                                std::size_t& postings_read) const;
   std::vector<Slot> BestSlots(const std::vector<float>& scores, std::size_t count, const Admits& admits) const;
 
   std::vector<std::vector<Posting>> postings_;  // by word
