@@ -21,7 +21,8 @@ namespace {
 
 constexpr int kFailed = 1;
 
-// Waits for SIGINT and SIGTERM on a thread of its own; the program's other threads never see them.
+// Waits for SIGINT and SIGTERM on a thread of its own; the program's other threads never see them. The first asks for
+// an end in order, the second for one without waiting for the server.
 class SignalWatch {
  public:
   SignalWatch() {
@@ -31,9 +32,12 @@ class SignalWatch {
     sigaddset(&signals_, SIGUSR1);  // our own: the watch is over
     pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
     thread_ = std::thread([this] {
-      int received = 0;
-      sigwait(&signals_, &received);
-      if (received != SIGUSR1) stop_.request_stop();
+      for (std::stop_source* source : {&stop_, &hurry_}) {
+        int received = 0;
+        sigwait(&signals_, &received);
+        if (received == SIGUSR1) return;
+        source->request_stop();
+      }
     });
   }
   ~SignalWatch() {
@@ -43,11 +47,13 @@ class SignalWatch {
   SignalWatch(const SignalWatch&) = delete;
   SignalWatch& operator=(const SignalWatch&) = delete;
 
-  std::stop_token token() const { return stop_.get_token(); }
+  std::stop_token stop() const { return stop_.get_token(); }
+  std::stop_token hurry() const { return hurry_.get_token(); }
 
  private:
   sigset_t signals_;
   std::stop_source stop_;
+  std::stop_source hurry_;
   std::thread thread_;
 };
 
@@ -111,11 +117,17 @@ int Run(CommandLine& line) {
   if (const Status status = options.Check(); !status) return Fail(status.error().message);
   const SignalWatch signals;
   cv::setNumThreads(1);  // the agent's own threads are all it needs; others would fight for the cores
-  const auto run = RunAgent(options, signals.token());
+  const auto run = RunAgent(options, signals.stop(), signals.hurry());
   if (!run) return Fail(run.error().message);
   if (const Status status = WriteOutputs(options, *run); !status) return Fail(status.error().message);
   std::cout << SummaryOf(*run);
-  return 0;
+  if (!run->unconfirmed) return 0;
+  // The rest that waits in the spill file is no failure of this run; what the server refuses is.
+  if (run->unconfirmed->code == ErrorCode::kUnavailable) {
+    spdlog::warn("{}", run->unconfirmed->message);
+    return 0;
+  }
+  return Fail(run->unconfirmed->message);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "agent/runtime/agent_options.h"
 
+#include <cmath>
+
 #include "common/base/config.h"
 
 namespace pangaea {
@@ -45,6 +47,9 @@ Status ReadAgentConfig(const std::filesystem::path& path, AgentOptions& options)
   reader->Read("mapping.redundant_ratio", &mapping.keyframe_culling.redundant_ratio, Range{0.1, 1.0});
   reader->Read("uplink.queue_batches", &options.uplink.queue_batches, Range{1, 10000});
   reader->Read("uplink.envelope_bytes", &options.uplink.edits.envelope_bytes, Range{1000, 1000000});
+  double patience_s = std::chrono::duration<double>(options.flush_patience).count();
+  reader->Read("uplink.patience_s", &patience_s, Range{0.0, 86400.0});
+  options.flush_patience = std::chrono::milliseconds(std::llround(1000.0 * patience_s));
   if (auto status = reader->Finish(); !status) return status;
   return options.Check();
 }

@@ -27,6 +27,8 @@ struct AgentOptions {
   bool use_server = true;
   // At the end, how long the server may take to acknowledge the last edits.
   std::chrono::milliseconds flush_patience{30000};
+  // The same where no server was ever seen: longer than the network takes to find one.
+  std::chrono::milliseconds discovery_patience{5000};
   std::filesystem::path trajectory;  // empty: not written; likewise the next two
   std::filesystem::path live_trajectory;
   std::filesystem::path report;

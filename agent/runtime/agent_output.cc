@@ -75,7 +75,9 @@ nlohmann::json ReportOf(const AgentRun& run) {
       {"envelopes_sent", run.uplink.envelopes_sent},
       {"resends", run.uplink.resends},
       {"rejections", run.uplink.rejections},
+      {"repairs", run.uplink.repairs},
       {"acknowledged", run.acknowledged},
+      {"unconfirmed", run.unconfirmed ? run.unconfirmed->message : ""},
       {"digest", fmt::format("{:016x}", DigestOfSession(*run.atlas, run.session))},
       {"stages", stages},
   };
@@ -89,6 +91,7 @@ std::string SummaryOf(const AgentRun& run) {
                       run.atlas->keyframe_count(), run.atlas->landmark_count(), run.wall_seconds, run.cpu_seconds,
                       run.peak_rss_mib, 1e-6 * static_cast<double>(run.uplink.bytes_sent),
                       run.acknowledged ? ", all acknowledged" : "");
+  if (run.unconfirmed) text += fmt::format("  NOT CONFIRMED by the server: {}\n", run.unconfirmed->message);
   text += fmt::format("  {:<28}{:>8}{:>10}{:>10}{:>10}\n", "stage", "count", "median ms", "mean ms", "p95 ms");
   for (const auto& [name, statistics] : run.stages) {
     text += fmt::format("  {:<28}{:>8}{:>10.2f}{:>10.2f}{:>10.2f}\n", name, statistics.count, statistics.median_ms,

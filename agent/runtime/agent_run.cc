@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
 #include <random>
 #include <utility>
@@ -155,11 +156,17 @@ Result<ServerLink> OpenLink(const AgentOptions& options, const AgentRun& run, co
   return link;
 }
 
-void CloseLink(const AgentOptions& options, ServerLink& link, MappingWorker& worker, AgentRun& run) {
+void CloseLink(const AgentOptions& options, const std::stop_token& hurry, ServerLink& link, MappingWorker& worker,
+               AgentRun& run) {
   if (link.uplink == nullptr) return;
-  const Status flushed = worker.Flush(options.flush_patience);
-  if (!flushed) spdlog::warn("{}", flushed.error().message);
+  const bool seen = link.uplink->counters().server_seen;
+  const auto patience = seen ? options.flush_patience : std::min(options.flush_patience, options.discovery_patience);
+  const std::stop_callback hurry_uplink(hurry, [&link] { link.uplink->Hurry(); });
+  spdlog::info("waiting up to {:.0f} s for the server to acknowledge everything (Ctrl-C: no longer)",
+               std::chrono::duration<double>(patience).count());
+  const Status flushed = worker.Flush(patience);
   run.acknowledged = flushed.has_value();
+  if (!flushed) run.unconfirmed = flushed.error();
   link.uplink->Stop();
   run.uplink = link.uplink->counters();
 }
@@ -173,7 +180,7 @@ void MeasureProcess(AgentRun& run) {
 
 }  // namespace
 
-Result<AgentRun> RunAgent(const AgentOptions& options, const std::stop_token& stop) {
+Result<AgentRun> RunAgent(const AgentOptions& options, const std::stop_token& stop, const std::stop_token& hurry) {
   const auto start = Clock::now();
   const auto dataset = OpenDataset(options.dataset, options.sensor);
   if (!dataset) return tl::make_unexpected(dataset.error());
@@ -195,7 +202,7 @@ Result<AgentRun> RunAgent(const AgentOptions& options, const std::stop_token& st
     loop.Run(source);
   }
   worker.Finish();
-  CloseLink(options, *link, worker, run);
+  CloseLink(options, hurry, *link, worker, run);
   run.source = source.counters();
   run.atlas = worker.snapshot();
   StageClock stages;

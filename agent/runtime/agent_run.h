@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -32,11 +33,13 @@ struct AgentRun {
   double peak_rss_mib = 0.0;
   UplinkCounters uplink;
   bool acknowledged = false;  // the server confirmed that it holds everything
+  // Why it did not, where there should have been a server: kUnavailable (the spill file has the rest), kRefused.
+  std::optional<Error> unconfirmed;
 };
 
 // Runs one session over a dataset: the source, tracking, mapping and uplink threads, or all of it on this thread when
-// options.deterministic. `stop` ends it early and in order. Fails when the dataset, the options or the link's setup are
-// unusable; an absent server is no failure.
-Result<AgentRun> RunAgent(const AgentOptions& options, const std::stop_token& stop);
+// options.deterministic. `stop` ends it early and in order; `hurry` also ends the waiting for the server's last acks.
+// Fails when the dataset, the options or the link's setup are unusable; an absent server is no failure.
+Result<AgentRun> RunAgent(const AgentOptions& options, const std::stop_token& stop, const std::stop_token& hurry = {});
 
 }  // namespace pangaea

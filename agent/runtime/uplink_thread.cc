@@ -33,8 +33,9 @@ struct FlushRequest {
   Clock::time_point deadline;
   std::shared_ptr<std::promise<Result<std::vector<MapEdit>>>> done;
 };
+struct HurryRequest {};
 struct StopRequest {};
-using Event = std::variant<UplinkBatch, FlushRequest, EditAck, MatchChange, StopRequest>;
+using Event = std::variant<UplinkBatch, FlushRequest, EditAck, MatchChange, HurryRequest, StopRequest>;
 
 struct Endpoints {
   Writer<SessionAnnouncement> session;
@@ -77,6 +78,8 @@ class UplinkLoop final : public UplinkThread {
     }
     return result.get();
   }
+
+  void Hurry() override { (void)events_.Push(HurryRequest{}); }
 
   void Stop() override EXCLUDES(stop_mutex_) {
     MutexLock lock(stop_mutex_);
@@ -147,8 +150,11 @@ class UplinkLoop final : public UplinkThread {
     if (change.change > 0) stream_.retained().OnServerPresent(false);
     stream_.retained().OnServerPresent(change.current > 0);
     local_.server_present = change.current > 0;
+    local_.server_seen = local_.server_seen || local_.server_present;
     retry_.reset();
   }
+
+  void Handle(HurryRequest&) { hurried_ = true; }
 
   void Handle(StopRequest&) { stopping_ = true; }
 
@@ -179,7 +185,7 @@ class UplinkLoop final : public UplinkThread {
   void FinishFlush() {
     if (!flush_) return;
     if (stream_.finished()) return stream_.gave_up() ? EndFlush(Refused()) : EndFlush(stream_.own_edits());
-    if (Clock::now() >= flush_->deadline) EndFlush(Unsent("in time"));
+    if (hurried_ || Clock::now() >= flush_->deadline) EndFlush(Unsent("in time"));
   }
 
   void EndFlush(Result<std::vector<MapEdit>> result) {
@@ -209,8 +215,9 @@ class UplinkLoop final : public UplinkThread {
   }
 
   void Leave() {
-    if (!stream_.finished()) (void)Unsent("before the end");
-    if (flush_) EndFlush(Fail(ErrorCode::kUnavailable, "the uplink was stopped"));
+    Result<std::vector<MapEdit>> result = Fail(ErrorCode::kUnavailable, "the uplink was stopped");
+    if (!stream_.finished()) result = Unsent("before the end");
+    if (flush_) EndFlush(std::move(result));
     while (auto event = events_.TryPop()) {
       if (auto* late = std::get_if<FlushRequest>(&*event)) {
         late->done->set_value(Fail(ErrorCode::kUnavailable, "the uplink was stopped"));
@@ -242,6 +249,7 @@ class UplinkLoop final : public UplinkThread {
   std::optional<Clock::time_point> retry_;
   UplinkCounters local_;
   bool told_refused_ = false;
+  bool hurried_ = false;
   bool stopping_ = false;
 
   mutable Mutex counters_mutex_;

@@ -40,11 +40,12 @@ struct UplinkCounters {
   std::uint64_t rejections = 0;
   std::uint64_t repairs = 0;  // how often it planned anew what was missing after rejections
   bool server_present = false;
-  std::string last_error;  // empty: none
+  bool server_seen = false;  // at any time
+  std::string last_error;    // empty: none
 };
 
 // The agent's line to the server: one thread that plans, numbers, retains and sends edits, and the only one that may
-// block in a DDS write. Maps on without a server. Submit, Flush, counters and Stop may be called from any thread.
+// block in a DDS write. Maps on without a server. Any thread may call it.
 class UplinkThread {
  public:
   // Opens the topics and announces the session. `participant` outlives the uplink.
@@ -60,6 +61,9 @@ class UplinkThread {
   // the time is over first: what is not acknowledged is then in the spill file, which the message names. kRefused when
   // the server rejects something for good.
   virtual Result<std::vector<MapEdit>> Flush(UplinkBatch batch, std::chrono::milliseconds patience) = 0;
+
+  // No flush waits any longer, neither the present one nor a later one.
+  virtual void Hurry() = 0;
 
   // Announces the orderly end and stops the thread. What was not acknowledged is left in the spill file. The destructor
   // does it too.
