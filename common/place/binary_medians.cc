@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "common/base/check.h"
 
@@ -21,8 +22,6 @@ class BitCounts {
     ++added_;
     if (++pending_ == std::numeric_limits<std::uint8_t>::max()) Carry();
   }
-
-  std::size_t added() const { return added_; }
 
   // The bits that more than half have.
   Descriptor Majority() {
@@ -109,19 +108,6 @@ bool Assign(std::span<const Descriptor> descriptors, BinaryClusters& clusters) {
   return changed;
 }
 
-// Each centre becomes the majority of its cluster; a cluster that lost all its descriptors vanishes.
-void MoveCentres(std::span<const Descriptor> descriptors, BinaryClusters& clusters) {
-  std::vector<BitCounts> counts(clusters.centres.size());
-  for (std::size_t i = 0; i < descriptors.size(); ++i) counts[clusters.assignment[i]].Add(descriptors[i]);
-  clusters.centres.clear();
-  std::vector<std::uint32_t> new_index(counts.size());
-  for (std::size_t c = 0; c < counts.size(); ++c) {
-    new_index[c] = static_cast<std::uint32_t>(clusters.centres.size());
-    if (counts[c].added() > 0) clusters.centres.push_back(counts[c].Majority());
-  }
-  for (std::uint32_t& cluster : clusters.assignment) cluster = new_index[cluster];
-}
-
 void DropEmptyClusters(BinaryClusters& clusters) {
   std::vector<bool> used(clusters.centres.size(), false);
   for (const std::uint32_t cluster : clusters.assignment) used[cluster] = true;
@@ -135,6 +121,13 @@ void DropEmptyClusters(BinaryClusters& clusters) {
   for (std::uint32_t& cluster : clusters.assignment) cluster = new_index[cluster];
 }
 
+// Each centre becomes the majority of its cluster.
+void MoveCentres(std::span<const Descriptor> descriptors, BinaryClusters& clusters) {
+  std::vector<BitCounts> counts(clusters.centres.size());
+  for (std::size_t i = 0; i < descriptors.size(); ++i) counts[clusters.assignment[i]].Add(descriptors[i]);
+  for (std::size_t c = 0; c < counts.size(); ++c) clusters.centres[c] = counts[c].Majority();
+}
+
 }  // namespace
 
 BinaryClusters ClusterDescriptors(std::span<const Descriptor> descriptors, const BinaryMediansOptions& options,
@@ -145,6 +138,7 @@ BinaryClusters ClusterDescriptors(std::span<const Descriptor> descriptors, const
   clusters.assignment.assign(descriptors.size(), 0);
   Assign(descriptors, clusters);
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
+    DropEmptyClusters(clusters);
     MoveCentres(descriptors, clusters);
     if (!Assign(descriptors, clusters)) break;
   }

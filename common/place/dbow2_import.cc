@@ -1,7 +1,7 @@
 #include "common/place/dbow2_import.h"
 
+#include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <cstdint>
 #include <string>
 #include <utility>
