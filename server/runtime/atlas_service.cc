@@ -117,9 +117,8 @@ void AtlasService::RunRound(std::vector<Job> jobs) {
     return output_.fail(stored.error());
   }
   unsaved_.clear();
-  Adopt(std::move(outcome));
   for (const auto arrival : arrivals) current_.acknowledge_ms.Add(MillisecondsSince(arrival));
-  PublishState();
+  Adopt(std::move(outcome));
   if (HasInput(jobs)) output_.changed();
 }
 
@@ -138,6 +137,7 @@ void AtlasService::LookAfterStore(const std::vector<Job>& jobs) {
 void AtlasService::TryStoreAgain() {
   if (const auto status = store_.Probe(); !status) return;
   current_.store_error.clear();
+  PublishState();
   Report({{}, AtlasEventKind::kStoreRecovered, "the store takes writes again", 0, 0});
   output_.changed();
 }
@@ -165,6 +165,7 @@ void AtlasService::Adopt(IngestOutcome outcome) {
   std::uint64_t bytes = 0;
   for (const JournalEntry& entry : outcome.batch.entries) bytes += entry.envelope.edits.size();
   snapshots_->Committed(current_.ingest.atlas, current_.ingest.position, outcome.batch.entries.size(), bytes);
+  PublishState();
   for (EditAck& ack : outcome.acks) {
     ack.server_incarnation = incarnation_;
     output_.acknowledge(ack);
@@ -175,8 +176,9 @@ void AtlasService::Adopt(IngestOutcome outcome) {
 void AtlasService::AdoptWithoutStore(std::vector<Job>& jobs, const std::string& error) {
   if (current_.store_error.empty()) {
     spdlog::error("the store takes nothing: {}; nothing is acknowledged until it does", error);
-    Report({{}, AtlasEventKind::kStoreFailed, error, 0, 0});
     current_.store_error = error;
+    PublishState();
+    Report({{}, AtlasEventKind::kStoreFailed, error, 0, 0});
   }
   std::erase_if(jobs, [](const Job& job) {
     const auto* arrival = std::get_if<Arrival>(&job);
@@ -186,7 +188,6 @@ void AtlasService::AdoptWithoutStore(std::vector<Job>& jobs, const std::string& 
   unsaved_.clear();
   for (const SessionRecord& record : outcome.batch.sessions) unsaved_.push_back(record.announcement.session);
   Adopt(std::move(outcome));
-  PublishState();
   output_.changed();
 }
 

@@ -30,11 +30,12 @@ struct ServiceState {
   StoreSize store;
   // Why the store takes nothing at the moment; empty while it does. Meanwhile nothing is acknowledged.
   std::string store_error;
-  LatencyWindow acknowledge_ms;  // from the arrival of an envelope to its ack
+  LatencyWindow acknowledge_ms;  // from the arrival of an envelope until its ack may go out
   LatencyWindow commit_ms;
 };
 
-// Where the service's results go. Called on the atlas thread; none may wait for long.
+// Where the service's results go. Called on the atlas thread; none may wait for long. State() has what an ack or event
+// speaks of by the time either goes out.
 struct ServiceOutput {
   std::function<void(const EditAck&)> acknowledge;
   std::function<void(const AtlasEvent&)> report;
