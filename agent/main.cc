@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
-#include <map>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <stop_token>
@@ -20,6 +19,7 @@ namespace pangaea {
 namespace {
 
 constexpr int kFailed = 1;
+constexpr int kWrongUsage = 2;
 
 // Waits for SIGINT and SIGTERM on a thread of its own; the program's other threads never see them. The first asks for
 // an end in order, the second for one without waiting for the server.
@@ -69,52 +69,80 @@ std::optional<PlayRate> ParseRate(const std::string& text) {
 struct CommandLine {
   AgentOptions options;
   std::string rate = "realtime";
+  std::string sensor = "stereo";
   std::string config;
   bool no_server = false;
 };
 
 void Describe(CLI::App& app, CommandLine& line) {
   AgentOptions& options = line.options;
-  const std::map<std::string, SensorKind> sensors{{"stereo", SensorKind::kStereo}};
   app.set_version_flag("--version", std::string("pangaea-agent ") + kVersion);
   app.add_option("--dataset", options.dataset, "Folder of a recorded sequence (EuRoC ASL or KITTI odometry)")
+      ->type_name("DIR")
       ->required();
-  app.add_option("--sensor", options.sensor, "Which cameras to use: stereo")
-      ->transform(CLI::CheckedTransformer(sensors, CLI::ignore_case))
-      ->default_str("stereo");
-  app.add_option("--site", options.site, "The site whose server to talk to")->capture_default_str();
-  app.add_option("--name", options.name, "Name of this session for people (default: the dataset's)");
+  app.add_option("--sensor", line.sensor, "Which cameras to use; so far stereo alone")
+      ->type_name("KIND")
+      ->capture_default_str();
+  app.add_option("--site", options.site, "The site whose server to talk to")->type_name("NAME")->capture_default_str();
+  app.add_option("--name", options.name, "Name of this session for people (default: the dataset's)")->type_name("NAME");
   app.add_option("--rate", line.rate,
-                 "realtime; max (as fast as possible, no frame is dropped); or a factor such as 0.5")
+                 "realtime (the newest frame wins, late ones are dropped), max (as fast as possible, no frame is "
+                 "dropped), or a factor of real time from 0.01 to 100, such as 0.5")
+      ->type_name("RATE")
       ->capture_default_str();
   app.add_flag("--deterministic", options.deterministic,
-               "Everything in order on one thread: the same input gives the same trajectory");
-  app.add_option("--seed", options.seed, "Seed of everything random")->capture_default_str();
+               "Everything in order on one thread; with --rate max the same input gives the same trajectory");
+  app.add_option("--seed", options.seed, "Seed of everything random")->type_name("N")->capture_default_str();
   app.add_option("--trajectory", options.trajectory,
-                 "Write the body's final trajectory (TUM format); OUT.2.tum and so on for further maps");
+                 "Write the body's final trajectory (TUM format); further maps go to FILE.2.tum and so on, the largest "
+                 "map first")
+      ->type_name("FILE.tum");
   app.add_option("--live-trajectory", options.live_trajectory,
-                 "Write each frame's pose as it was known at the time (TUM format)");
-  app.add_option("--report", options.report, "Write counts and timings (JSON)");
+                 "Write each frame's pose as it was known at the time (TUM format)")
+      ->type_name("FILE.tum");
+  app.add_option("--report", options.report, "Write counts and timings")->type_name("FILE.json");
   app.add_flag("--no-server", line.no_server, "Track and map alone");
-  app.add_option("--config", line.config, "Options file (see config/agent.yaml)");
-  app.add_option("--domain", options.domain.id, "DDS domain, 0 to 230")->capture_default_str();
+  app.add_option("--config", line.config, "YAML file with options; config/agent.yaml has them all, with their defaults")
+      ->type_name("FILE");
+  app.add_option("--domain", options.domain.id, "DDS domain, 0 to 230")->type_name("N")->capture_default_str();
+  app.footer(
+      "Without a server in reach the agent maps on; what no server acknowledged by the end is left in\n"
+      "pangaea-SESSION.spill in the current folder. Ctrl-C ends a run in order, a second one stops waiting for the\n"
+      "server. CYCLONEDDS_URI chooses the network; without it a server on this machine alone is found, over loopback.\n"
+      "Exit codes: 0 done, also where no server was in reach; 1 failed, or the server refused part of the map;\n"
+      "2 wrong usage or configuration.\n\n"
+      "Examples:\n"
+      "  pangaea-agent --dataset MH_01_easy --trajectory mh1.tum\n"
+      "  pangaea-agent --dataset sequences/00 --rate max --no-server --report report.json");
 }
 
-int Fail(const std::string& message) {
+int Fail(const std::string& message, int code = kFailed) {
   std::cerr << "pangaea-agent: " << message << '\n';
-  return kFailed;
+  return code;
+}
+
+// The command line wins over the configuration file; they have no option in common.
+Status Complete(CommandLine& line) {
+  AgentOptions& options = line.options;
+  const auto rate = ParseRate(line.rate);
+  if (!rate) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "--rate is '" + line.rate + "'; allowed: realtime, max, or a factor of 0.01 to 100");
+  }
+  options.rate = *rate;
+  if (line.sensor != "stereo") {
+    return Fail(ErrorCode::kInvalidArgument, "--sensor is '" + line.sensor + "'; allowed: stereo");
+  }
+  options.use_server = !line.no_server;
+  if (!line.config.empty()) {
+    if (Status status = ReadAgentConfig(line.config, options); !status) return status;
+  }
+  return options.Check();
 }
 
 int Run(CommandLine& line) {
-  AgentOptions& options = line.options;
-  const auto rate = ParseRate(line.rate);
-  if (!rate) return Fail("--rate is '" + line.rate + "', allowed is realtime, max, or a factor of 0.01 to 100");
-  options.rate = *rate;
-  options.use_server = !line.no_server;
-  if (!line.config.empty()) {
-    if (const Status status = ReadAgentConfig(line.config, options); !status) return Fail(status.error().message);
-  }
-  if (const Status status = options.Check(); !status) return Fail(status.error().message);
+  const AgentOptions& options = line.options;
+  if (const Status status = Complete(line); !status) return Fail(status.error().message, kWrongUsage);
   const SignalWatch signals;
   cv::setNumThreads(1);  // the agent's own threads are all it needs; others would fight for the cores
   const auto run = RunAgent(options, signals.stop(), signals.hurry());
@@ -134,9 +162,15 @@ int Run(CommandLine& line) {
 }  // namespace pangaea
 
 int main(int argc, char** argv) {
-  CLI::App app{"pangaea-agent: tracks a camera, maps locally and streams keyframes to the atlas server"};
+  CLI::App app("Tracks a camera, maps locally and streams keyframes to the server that keeps the atlas.",
+               "pangaea-agent");
   pangaea::CommandLine line;
   pangaea::Describe(app, line);
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    // Help and version are "errors" of code 0 to CLI11.
+    return app.exit(error, std::cout, std::cerr) == 0 ? 0 : pangaea::kWrongUsage;
+  }
   return pangaea::Run(line);
 }

@@ -1,16 +1,35 @@
 #include "agent/runtime/agent_options.h"
 
 #include <cmath>
+#include <sstream>
 
 #include "common/base/config.h"
 
 namespace pangaea {
 
+namespace {
+
+// Before the run and not after it.
+Status CheckFolderOf(const char* option, const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (!file.has_parent_path() || std::filesystem::is_directory(file.parent_path(), ignored)) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              std::string(option) + " is " + file.string() + "; there is no folder " + file.parent_path().string());
+}
+
+}  // namespace
+
 Status AgentOptions::Check() const {
   if (!(rate.speed == 0.0 || (rate.speed >= 0.01 && rate.speed <= 100.0))) {
-    return Fail(ErrorCode::kInvalidArgument,
-                "--rate is " + std::to_string(rate.speed) + ", allowed is realtime, max, or a factor of 0.01 to 100");
+    std::ostringstream message;
+    message << "--rate is " << rate.speed << "; allowed: realtime, max, or a factor of 0.01 to 100";
+    return Fail(ErrorCode::kInvalidArgument, message.str());
   }
+  if (auto status = CheckSiteName(site); !status) return status;
+  if (auto status = domain.Check(); !status) return status;
+  if (auto status = CheckFolderOf("--trajectory", trajectory); !status) return status;
+  if (auto status = CheckFolderOf("--live-trajectory", live_trajectory); !status) return status;
+  if (auto status = CheckFolderOf("--report", report); !status) return status;
   if (auto status = tracking.Check(); !status) return status;
   if (auto status = mapping.Check(); !status) return status;
   return uplink.Check();

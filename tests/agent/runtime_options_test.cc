@@ -1,0 +1,158 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <functional>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "agent/runtime/agent_options.h"
+#include "common/base/text.h"
+#include "tests/sensor/temporary_folder.h"
+
+namespace pangaea {
+namespace {
+
+const std::filesystem::path kSource = PANGAEA_SOURCE_DIR;
+const std::filesystem::path kShipped = kSource / "config/agent.yaml";
+
+// What every key of the file sets.
+std::map<std::string, double> ValuesOf(const AgentOptions& options) {
+  const TrackingOptions& tracking = options.tracking;
+  const LocalMappingOptions& mapping = options.mapping;
+  const auto number = [](auto value) { return static_cast<double>(value); };
+  return {
+      {"tracking.min_inliers", number(tracking.min_inliers)},
+      {"tracking.min_agreement", tracking.min_agreement},
+      {"tracking.min_recovery_inliers", number(tracking.min_recovery_inliers)},
+      {"tracking.min_start_points", number(tracking.min_start_points)},
+      {"tracking.frames_until_new_map", number(tracking.frames_until_new_map)},
+      {"tracking.max_templates", number(tracking.max_templates)},
+      {"tracking.max_landmarks", number(tracking.search.max_landmarks)},
+      {"tracking.patch_sigma", tracking.search.patch_sigma},
+      {"tracking.local_keyframes", number(tracking.local_map.max_keyframes)},
+      {"keyframes.min_coverage_ratio", tracking.keyframes.min_coverage_ratio},
+      {"keyframes.min_inlier_ratio", tracking.keyframes.min_inlier_ratio},
+      {"keyframes.max_relative_distance", tracking.keyframes.max_relative_distance},
+      {"keyframes.max_turn", tracking.keyframes.max_turn},
+      {"keyframes.min_gap", number(tracking.keyframes.min_gap)},
+      {"features.count", number(tracking.orb.features)},
+      {"features.high_threshold", number(tracking.orb.high_threshold)},
+      {"features.low_threshold", number(tracking.orb.low_threshold)},
+      {"mapping.window_keyframes", number(mapping.bundle_adjustment.window_keyframes)},
+      {"mapping.fixed_keyframes", number(mapping.bundle_adjustment.fixed_keyframes)},
+      {"mapping.iterations", number(mapping.bundle_adjustment.iterations)},
+      {"mapping.pixel_sigma", mapping.noise.pixel_sigma},
+      {"mapping.max_depth_baselines", mapping.noise.max_depth_baselines},
+      {"mapping.search_radius", mapping.search.radius},
+      {"mapping.redundant_ratio", mapping.keyframe_culling.redundant_ratio},
+      {"uplink.queue_batches", number(options.uplink.queue_batches)},
+      {"uplink.envelope_bytes", number(options.uplink.edits.envelope_bytes)},
+      {"uplink.patience_s", 0.001 * number(options.flush_patience.count())},
+  };
+}
+
+std::set<std::string> KeysOf(const std::map<std::string, double>& values) {
+  std::set<std::string> keys;
+  for (const auto& [key, value] : values) keys.insert(key);
+  return keys;
+}
+
+// The keys and values that a person reads in the shipped file.
+std::map<std::string, double> ShippedValues() {
+  std::map<std::string, double> values;
+  std::string section;
+  std::smatch match;
+  std::ifstream file(kShipped);
+  for (std::string line; std::getline(file, line);) {
+    if (std::regex_match(line, match, std::regex("(\\w+):"))) section = match[1];
+    if (std::regex_match(line, match, std::regex("  (\\w+): (\\S+)"))) {
+      values[section + "." + match[1].str()] = std::stod(match[2]);
+    }
+  }
+  return values;
+}
+
+// The message for a file with one key of this value; empty where it was read.
+std::string ReadOne(const std::string& key, const std::string& value, AgentOptions& options) {
+  const testing::TemporaryFolder folder;
+  const auto path = folder.path() / "agent.yaml";
+  const std::size_t dot = key.find('.');
+  std::ofstream(path) << key.substr(0, dot) << ":\n  " << key.substr(dot + 1) << ": " << value << "\n";
+  const Status status = ReadAgentConfig(path, options);
+  return status ? "" : status.error().message;
+}
+
+TEST(AgentOptions, TheShippedFileHoldsTheDefaults) {
+  AgentOptions options;
+  const Status status = ReadAgentConfig(kShipped, options);
+  ASSERT_TRUE(status) << status.error().message;
+  EXPECT_EQ(ValuesOf(options), ValuesOf({}));
+  EXPECT_EQ(ShippedValues(), ValuesOf({}));
+}
+
+TEST(AgentOptions, TheShippedFileDocumentsEveryKeyThatIsRead) {
+  const auto source = ReadTextFile(kSource / "agent/runtime/agent_options.cc");
+  ASSERT_TRUE(source);
+  std::set<std::string> read;
+  const std::regex call("Read\\w*\\(\\s*\"([^\"]+)\"");
+  for (std::sregex_iterator it(source->begin(), source->end(), call), end; it != end; ++it) read.insert((*it)[1]);
+  EXPECT_EQ(KeysOf(ShippedValues()), read);
+}
+
+TEST(AgentOptions, EveryKeySetsWhatItNamesAndNothingElse) {
+  for (const auto& [key, value] : ValuesOf({})) {
+    auto expected = ValuesOf({});
+    expected[key] = value == std::round(value) ? value + 1.0 : value * 1.01;
+    AgentOptions options;
+    std::ostringstream text;
+    text << expected[key];
+    EXPECT_EQ(ReadOne(key, text.str(), options), "");
+    EXPECT_EQ(ValuesOf(options), expected) << key;
+  }
+}
+
+TEST(AgentOptions, AValueOutOfRangeIsAnErrorWithFileLineKeyAndRange) {
+  for (const auto& [key, value] : ValuesOf({})) {
+    AgentOptions options;
+    const std::string message = ReadOne(key, "-1", options);
+    EXPECT_NE(message.find("agent.yaml:2: "), std::string::npos) << key << ": " << message;
+    EXPECT_NE(message.find(key + " is '-1'"), std::string::npos) << key << ": " << message;
+    EXPECT_TRUE(std::regex_search(message, std::regex("allowed: .*\\d.* to .*\\d"))) << key << ": " << message;
+    EXPECT_EQ(ValuesOf(options), ValuesOf({})) << key;
+  }
+}
+
+TEST(AgentOptions, AnUnknownKeyIsAnErrorThatNamesTheNearestKnownOne) {
+  AgentOptions options;
+  const std::string message = ReadOne("tracking.min_inlier", "20", options);
+  EXPECT_NE(message.find("agent.yaml:2: "), std::string::npos) << message;
+  EXPECT_NE(message.find("tracking.min_inliers"), std::string::npos) << message;
+}
+
+TEST(AgentOptions, AMissingFileIsAnErrorThatNamesIt) {
+  AgentOptions options;
+  const Status status = ReadAgentConfig("/nowhere/agent.yaml", options);
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.error().message.find("/nowhere/agent.yaml"), std::string::npos);
+}
+
+TEST(AgentOptions, BadOptionsOfTheCommandLineAreRefusedBeforeTheRun) {
+  const auto message = [](const std::function<void(AgentOptions&)>& spoil) {
+    AgentOptions options;
+    spoil(options);
+    const Status status = options.Check();
+    return status ? "" : status.error().message;
+  };
+  EXPECT_EQ(message([](AgentOptions&) {}), "");
+  EXPECT_NE(message([](AgentOptions& o) { o.rate.speed = 1000.0; }).find("0.01 to 100"), std::string::npos);
+  EXPECT_NE(message([](AgentOptions& o) { o.site = "no spaces"; }).find("no spaces"), std::string::npos);
+  EXPECT_NE(message([](AgentOptions& o) { o.domain.id = 231; }).find("230"), std::string::npos);
+  EXPECT_NE(message([](AgentOptions& o) { o.trajectory = "/no/such/a.tum"; }).find("/no/such"), std::string::npos);
+  EXPECT_NE(message([](AgentOptions& o) { o.live_trajectory = "/no/such/a.tum"; }).find("/no/such"), std::string::npos);
+  EXPECT_NE(message([](AgentOptions& o) { o.report = "/no/such/a.json"; }).find("/no/such"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pangaea
