@@ -92,8 +92,7 @@ std::vector<double> InverseDocumentFrequencies(const VocabularyTree& tree,
     std::vector<WordId> words;
     for (const Descriptor& descriptor : image) words.push_back(tree.Word(descriptor));
     std::ranges::sort(words);
-    const auto repeated = std::ranges::unique(words);
-    words.erase(repeated.begin(), repeated.end());
+    words.erase(std::unique(words.begin(), words.end()), words.end());
     for (const WordId word : words) ++documents[word];
   }
   std::vector<double> weights;
