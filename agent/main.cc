@@ -1,6 +1,9 @@
+#include <semaphore.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -21,27 +24,29 @@ namespace {
 constexpr int kFailed = 1;
 constexpr int kWrongUsage = 2;
 
-// Waits for SIGINT and SIGTERM on a thread of its own; the program's other threads never see them. The first asks for
-// an end in order, the second for one without waiting for the server.
+// Turns SIGINT and SIGTERM into requests: the first asks for an end in order, the second for one without waiting for
+// the server. A handler, because blocking the signals for sigwait would not reach threads that libraries start before
+// main.
 class SignalWatch {
  public:
   SignalWatch() {
-    sigemptyset(&signals_);
-    sigaddset(&signals_, SIGINT);
-    sigaddset(&signals_, SIGTERM);
-    sigaddset(&signals_, SIGUSR1);  // our own: the watch is over
-    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+    sem_init(&arrived_, 0, 0);
     thread_ = std::thread([this] {
       for (std::stop_source* source : {&stop_, &hurry_}) {
-        int received = 0;
-        sigwait(&signals_, &received);
-        if (received == SIGUSR1) return;
+        while (sem_wait(&arrived_) != 0) continue;  // interrupted
+        if (over_) return;
         source->request_stop();
       }
     });
+    struct sigaction action {};
+    action.sa_handler = [](int) { sem_post(&arrived_); };
+    action.sa_flags = SA_RESTART;
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
   }
   ~SignalWatch() {
-    pthread_kill(thread_.native_handle(), SIGUSR1);
+    over_ = true;
+    sem_post(&arrived_);
     thread_.join();
   }
   SignalWatch(const SignalWatch&) = delete;
@@ -51,7 +56,8 @@ class SignalWatch {
   std::stop_token hurry() const { return hurry_.get_token(); }
 
  private:
-  sigset_t signals_;
+  static inline sem_t arrived_;  // a handler has no object
+  std::atomic<bool> over_ = false;
   std::stop_source stop_;
   std::stop_source hurry_;
   std::thread thread_;
@@ -143,6 +149,7 @@ Status Complete(CommandLine& line) {
 int Run(CommandLine& line) {
   const AgentOptions& options = line.options;
   if (const Status status = Complete(line); !status) return Fail(status.error().message, kWrongUsage);
+  spdlog::set_default_logger(spdlog::stderr_color_mt("pangaea-agent"));  // the summary alone goes to stdout
   const SignalWatch signals;
   cv::setNumThreads(1);  // the agent's own threads are all it needs; others would fight for the cores
   const auto run = RunAgent(options, signals.stop(), signals.hurry());

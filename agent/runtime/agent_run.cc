@@ -95,6 +95,9 @@ class FrameLoop {
       run_.live_trajectory.push_back({stamp_ns, result.camera_from_map.Inverse() * camera_from_body_});
     }
     if (result.state == TrackingState::kLost && state_ != TrackingState::kLost) spdlog::warn("lost the camera");
+    if (result.state == TrackingState::kTracking && state_ == TrackingState::kStarting) {
+      spdlog::info("started the first map");
+    }
     if (result.state == TrackingState::kTracking && state_ == TrackingState::kLost) {
       spdlog::info(result.closed_map ? "started a new map" : "found the camera again");
     }
@@ -194,6 +197,8 @@ Result<AgentRun> RunAgent(const AgentOptions& options, const std::stop_token& st
   run.body_from_camera = rectifier->body_from_camera();
   auto link = OpenLink(options, run, *rectifier);
   if (!link) return tl::make_unexpected(link.error());
+  spdlog::info("{}: session {}, {} frames, {} layout, {}", run.name, ToString(run.session), dataset->frames.size(),
+               dataset->layout, options.use_server ? "site " + options.site : "without a server");
   MappingWorker worker(run.session, options.mapping, link->uplink.get());
   FrameLoop loop(*dataset, *rectifier, options, run, worker);
   FrameSource source(*dataset, options.rate);

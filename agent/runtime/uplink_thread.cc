@@ -149,7 +149,9 @@ class UplinkLoop final : public UplinkThread {
   void Handle(MatchChange& change) {
     if (change.change > 0) stream_.retained().OnServerPresent(false);
     stream_.retained().OnServerPresent(change.current > 0);
-    local_.server_present = change.current > 0;
+    const bool was_present = std::exchange(local_.server_present, change.current > 0);
+    if (local_.server_present && !was_present) spdlog::info("connected to the server of site {}", session_.site);
+    if (!local_.server_present && was_present) spdlog::warn("lost the server; edits are kept until it is back");
     local_.server_seen = local_.server_seen || local_.server_present;
     retry_.reset();
   }
