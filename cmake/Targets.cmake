@@ -18,13 +18,19 @@ function(pangaea_program name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 endfunction()
 
+# Seconds. Sanitizers slow the longest tests down by ten and more.
+set(PANGAEA_TEST_TIMEOUT 600)
+if(PANGAEA_SANITIZE)
+  set(PANGAEA_TEST_TIMEOUT 1800)
+endif()
+
 # pangaea_test(name SOURCES ... DEPS ...): a GoogleTest program whose tests ctest lists one by one.
 function(pangaea_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE pangaea_settings ${ARG_DEPS} GTest::gmock_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/test-bin)
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${PANGAEA_TEST_TIMEOUT})
 endfunction()
 
 # pangaea_benchmark(name SOURCES ... DEPS ...): a google-benchmark program, built with -DPANGAEA_BENCHMARKS=ON.
