@@ -102,6 +102,8 @@ Status CheckSize(ImageSize size, ImageSize expected) {
 
 Result<cv::Mat> DecodeWithOpenCv(std::span<const std::byte> file, ImageSize expected) {
   try {
+    // OpenCV lists its codecs when the first is asked for: one thread does that, and the others wait for it here.
+    [[maybe_unused]] static const bool kCodecsListed = cv::haveImageWriter(".png");
     const cv::Mat raw(1, static_cast<int>(file.size()), CV_8UC1, const_cast<std::byte*>(file.data()));
     cv::Mat image = cv::imdecode(raw, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
     if (image.empty()) return Fail(ErrorCode::kCorrupt, "corrupt: the pixels cannot be decoded");

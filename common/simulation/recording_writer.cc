@@ -112,7 +112,9 @@ Status WriteImage(const fs::path& path, const cv::Mat& image) {
   static const std::vector<int> kParameters = {cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_HUFFMAN_ONLY};
   std::vector<unsigned char> bytes;
   try {
-    if (!cv::imencode(".png", image, bytes, kParameters)) {
+    // OpenCV lists its codecs when the first is asked for: one thread does that, and the others wait for it here.
+    static const bool kCanEncode = cv::haveImageWriter(".png");
+    if (!kCanEncode || !cv::imencode(".png", image, bytes, kParameters)) {
       return Fail(ErrorCode::kUnavailable, "cannot encode " + path.string());
     }
   } catch (const cv::Exception& error) {
