@@ -1,0 +1,40 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "common/geometry/rigid3.h"
+#include "common/map/atlas.h"
+#include "common/map/edits/edits.h"
+#include "common/map/ids.h"
+
+namespace pangaea {
+
+struct CorrectedKeyframe {
+  KeyframeId id;
+  Rigid3d camera_from_map;
+  // Lengths around this keyframe are multiplied by this: 1 but for a scale-free map whose scale drifted.
+  double scale = 1.0;
+};
+
+struct CorrectedLandmark {
+  LandmarkId id;
+  Eigen::Vector3d point_in_map;
+};
+
+// What a long job (welding, pose graph, global bundle adjustment) found out about one map, against the snapshot it
+// worked on. The owner of the atlas rebases it onto what it has become since.
+struct Correction {
+  Atlas base;  // the snapshot
+  MapId map;
+  std::vector<CorrectedKeyframe> keyframes;  // those that move; each once
+  std::vector<CorrectedLandmark> landmarks;  // those that move on their own; others follow their reference keyframe
+};
+
+// The edits that bring a correction onto the atlas as it is now (design: "rebases"): ids that vanished are skipped; a
+// keyframe whose pose relative to its parent was edited after the snapshot keeps its current pose relative to its
+// parent (scaled where the correction scales there), any other takes the corrected pose; keyframes newer than the
+// snapshot follow their spanning-tree parent, landmarks their reference keyframe. Empty where the map is gone.
+std::vector<MapEdit> Rebase(const Correction& correction, const Atlas& current);
+
+}  // namespace pangaea
