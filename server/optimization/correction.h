@@ -34,7 +34,11 @@ struct Correction {
 // The edits that bring a correction onto the atlas as it is now (design: "rebases"): ids that vanished are skipped; a
 // keyframe whose pose relative to its parent was edited after the snapshot keeps its current pose relative to its
 // parent (scaled where the correction scales there), any other takes the corrected pose; keyframes newer than the
-// snapshot follow their spanning-tree parent, landmarks their reference keyframe. Empty where the map is gone.
+// snapshot follow their spanning-tree parent, landmarks their reference keyframe. What the snapshot had and the
+// correction does not name stays. Where the tree hangs together in another way by now, the nearest keyframe above that
+// the snapshot has stands for the parent in that comparison.
+// Empty where the map is gone, also into another one: what was welded to it since was welded to its old shape, and the
+// correction would tear it off again. A map that took in others keeps its frame; what came in follows like anything new.
 std::vector<MapEdit> Rebase(const Correction& correction, const Atlas& current);
 
 }  // namespace pangaea
