@@ -65,6 +65,7 @@ nlohmann::json ReportOf(const AgentRun& run) {
       {"lost", run.lost},
       {"dropped", run.source.dropped},
       {"skipped", run.source.skipped},
+      {"missing", run.source.missing},
       {"maps", run.atlas->Maps().size()},
       {"keyframes", run.atlas->keyframe_count()},
       {"landmarks", run.atlas->landmark_count()},

@@ -10,7 +10,8 @@
 
 #include "agent/runtime/mapping_worker.h"
 #include "common/base/version.h"
-#include "common/sensor/image.h"
+#include "common/sensor/dataset.h"
+#include "common/sensor/frame_stream.h"
 #include "common/sensor/rectifier.h"
 #include "common/wire/envelope.h"
 
@@ -32,9 +33,9 @@ double SecondsOf(const timeval& time) {
 // The part of a run that frames flow through, one by one.
 class FrameLoop {
  public:
-  FrameLoop(const Dataset& dataset, const Rectifier& rectifier, const AgentOptions& options, AgentRun& run,
-            MappingWorker& worker)
-      : dataset_(dataset),
+  FrameLoop(std::optional<std::size_t> frame_count, const Rectifier& rectifier, const AgentOptions& options,
+            AgentRun& run, MappingWorker& worker)
+      : frame_count_(frame_count),
         rectifier_(rectifier),
         options_(options),
         run_(run),
@@ -78,11 +79,10 @@ class FrameLoop {
 
   // An empty image where there is none to be had: the keyframe is then without depth.
   cv::Mat ReadRight(const SourceFrame& frame) {
-    if (frame.right.empty()) return {};
-    const ImageSize size{dataset_.rig.left.width, dataset_.rig.left.height};
+    if (!frame.right) return {};
     Result<cv::Mat> image = [&] {
       StageScope scope(stages_, StageClock::kDecode);
-      return ReadGrayImage(frame.right, size);
+      return frame.right();
     }();
     if (image) return rectifier_.RectifyRight(*image);
     if (unreadable_++ == 0) spdlog::warn("keyframe without depth: {}", image.error().message);
@@ -105,11 +105,12 @@ class FrameLoop {
     if (Clock::now() - latest_progress_ < std::chrono::seconds(10)) return;
     latest_progress_ = Clock::now();
     const auto atlas = worker_.snapshot();
-    spdlog::info("{}: frame {} of {}, {} tracked, {} keyframes, {} landmarks", run_.name, run_.tracked + run_.lost,
-                 dataset_.frames.size(), run_.tracked, atlas->keyframe_count(), atlas->landmark_count());
+    const std::string total = frame_count_ ? " of " + std::to_string(*frame_count_) : "";
+    spdlog::info("{}: frame {}{}, {} tracked, {} keyframes, {} landmarks", run_.name, run_.tracked + run_.lost, total,
+                 run_.tracked, atlas->keyframe_count(), atlas->landmark_count());
   }
 
-  const Dataset& dataset_;
+  const std::optional<std::size_t> frame_count_;
   const Rectifier& rectifier_;
   const AgentOptions& options_;
   AgentRun& run_;
@@ -185,23 +186,26 @@ void MeasureProcess(AgentRun& run) {
 
 Result<AgentRun> RunAgent(const AgentOptions& options, const std::stop_token& stop, const std::stop_token& hurry) {
   const auto start = Clock::now();
-  const auto dataset = OpenDataset(options.dataset, options.sensor);
+  auto dataset = OpenDataset(options.dataset, options.sensor);
   if (!dataset) return tl::make_unexpected(dataset.error());
-  for (const std::string& warning : dataset->warnings) spdlog::warn("{}", warning);
-  const auto rectifier = Rectifier::Create(dataset->rig, options.sensor);
+  const CameraInput input = InputFrom(std::move(*dataset));
+  for (const std::string& warning : input.warnings) spdlog::warn("{}", warning);
+  const auto rectifier = Rectifier::Create(input.rig, options.sensor);
   if (!rectifier) return tl::make_unexpected(rectifier.error());
 
   AgentRun run;
   run.session = RandomSession();
-  run.name = options.name.empty() ? dataset->name : options.name;
+  run.name = options.name.empty() ? input.name : options.name;
   run.body_from_camera = rectifier->body_from_camera();
   auto link = OpenLink(options, run, *rectifier);
   if (!link) return tl::make_unexpected(link.error());
-  spdlog::info("{}: session {}, {} frames, {} layout, {}", run.name, ToString(run.session), dataset->frames.size(),
-               dataset->layout, options.use_server ? "site " + options.site : "without a server");
+  const auto frame_count = input.frames->frame_count();
+  spdlog::info("{}: session {}, {} frames, {}, {}", run.name, ToString(run.session),
+               frame_count ? std::to_string(*frame_count) : "unknown", input.kind,
+               options.use_server ? "site " + options.site : "without a server");
   MappingWorker worker(run.session, options.mapping, link->uplink.get());
-  FrameLoop loop(*dataset, *rectifier, options, run, worker);
-  FrameSource source(*dataset, options.rate);
+  FrameLoop loop(frame_count, *rectifier, options, run, worker);
+  FrameSource source(*input.frames, options.rate);
   {
     const std::stop_callback stop_source(stop, [&source] { source.Stop(); });
     loop.Run(source);

@@ -6,8 +6,6 @@
 #include <mutex>
 #include <utility>
 
-#include "common/sensor/image.h"
-
 namespace pangaea {
 namespace {
 
@@ -17,10 +15,11 @@ constexpr std::size_t kFramesAhead = 4;
 
 }  // namespace
 
-FrameSource::FrameSource(const Dataset& dataset, PlayRate rate)
-    : dataset_(dataset),
+FrameSource::FrameSource(FrameStream& stream, PlayRate rate)
+    : stream_(stream),
       rate_(rate),
       queue_(rate.waits_for_agent() ? kFramesAhead : kWaitingFrames),
+      start_(std::chrono::steady_clock::now()),
       thread_([this](const std::stop_token& stop) { Play(stop); }) {}
 
 FrameSource::~FrameSource() { Stop(); }
@@ -37,24 +36,39 @@ void FrameSource::Stop() {
 }
 
 void FrameSource::Play(const std::stop_token& stop) {
-  const auto start = std::chrono::steady_clock::now();
-  counters_.frames = dataset_.frames.size();
-  const ImageSize size{dataset_.rig.left.width, dataset_.rig.left.height};
-  for (const DatasetFrame& entry : dataset_.frames) {
-    if (!WaitUntilDue(entry.stamp_ns, start, stop)) break;
-    Result<cv::Mat> image = [&] {
-      StageScope scope(stages_, StageClock::kDecode);
-      return ReadGrayImage(entry.left, size);
-    }();
-    if (image) {
-      Deliver(SourceFrame{entry.stamp_ns, std::move(*image), entry.right});
+  const auto frame_count = stream_.frame_count();
+  if (frame_count) counters_.frames = *frame_count;
+  while (auto frame = stream_.Next(stop)) {
+    if (!frame_count) ++counters_.frames;
+    if (!*frame) {
+      Skip(frame->error().message);
       continue;
     }
-    if (counters_.skipped++ == 0)
-      spdlog::warn("skipping frames that cannot be read; the first: {}", image.error().message);
+    if (!WaitUntilDue((*frame)->stamp_ns, stop)) break;
+    Handle(**frame);
   }
+  counters_.missing = stream_.missing();
   if (counters_.skipped > 0) spdlog::warn("{} frames skipped: their images cannot be read", counters_.skipped);
+  if (counters_.missing > 0) spdlog::warn("{} frames were sent and never arrived", counters_.missing);
   queue_.Close();
+}
+
+void FrameSource::Handle(const StreamFrame& frame) {
+  if (latest_stamp_ns_ && frame.stamp_ns <= *latest_stamp_ns_) {
+    return Skip("a frame is not newer than the one before (stamp " + std::to_string(frame.stamp_ns) + " ns after " +
+                std::to_string(*latest_stamp_ns_) + " ns)");
+  }
+  Result<cv::Mat> image = [&] {
+    StageScope scope(stages_, StageClock::kDecode);
+    return frame.left();
+  }();
+  if (!image) return Skip(image.error().message);
+  latest_stamp_ns_ = frame.stamp_ns;
+  Deliver(SourceFrame{frame.stamp_ns, std::move(*image), frame.right});
+}
+
+void FrameSource::Skip(const std::string& why) {
+  if (counters_.skipped++ == 0) spdlog::warn("skipping frames that cannot be read; the first: {}", why);
 }
 
 void FrameSource::Deliver(SourceFrame frame) {
@@ -65,12 +79,12 @@ void FrameSource::Deliver(SourceFrame frame) {
   }
 }
 
-bool FrameSource::WaitUntilDue(std::int64_t stamp_ns, std::chrono::steady_clock::time_point start,
-                               const std::stop_token& stop) {
+bool FrameSource::WaitUntilDue(std::int64_t stamp_ns, const std::stop_token& stop) {
   if (stop.stop_requested()) return false;
-  if (rate_.waits_for_agent()) return true;
-  const double elapsed_ns = static_cast<double>(stamp_ns - dataset_.frames.front().stamp_ns) / rate_.speed;
-  const auto due = start + std::chrono::nanoseconds(static_cast<std::int64_t>(elapsed_ns));
+  if (rate_.waits_for_agent() || stream_.is_live()) return true;
+  if (!first_stamp_ns_) first_stamp_ns_ = stamp_ns;
+  const double elapsed_ns = static_cast<double>(stamp_ns - *first_stamp_ns_) / rate_.speed;
+  const auto due = start_ + std::chrono::nanoseconds(static_cast<std::int64_t>(elapsed_ns));
   std::mutex mutex;
   std::condition_variable_any stopped;
   std::unique_lock lock(mutex);
