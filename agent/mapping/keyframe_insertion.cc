@@ -3,8 +3,8 @@
 #include <map>
 #include <optional>
 
-#include "agent/mapping/measurement_noise.h"
 #include "common/estimation/pose_refinement.h"
+#include "common/mapping/measurement_noise.h"
 
 namespace pangaea {
 namespace {

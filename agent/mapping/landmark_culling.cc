@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "agent/mapping/view_prediction.h"
+#include "common/mapping/view_prediction.h"
 
 namespace pangaea {
 namespace {

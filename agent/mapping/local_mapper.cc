@@ -6,12 +6,13 @@
 #include "agent/mapping/keyframe_culling.h"
 #include "agent/mapping/keyframe_insertion.h"
 #include "agent/mapping/landmark_creation.h"
-#include "agent/mapping/landmark_search.h"
 #include "agent/mapping/local_bundle_adjustment.h"
 #include "agent/mapping/neighbourhood.h"
 #include "common/base/check.h"
+#include "common/map/covisibility.h"
 #include "common/map/map_edit.h"
 #include "common/map/spanning_tree.h"
+#include "common/mapping/landmark_search.h"
 
 namespace pangaea {
 
@@ -77,7 +78,7 @@ std::vector<MapEdit> LocalMapper::TakeEdits() { return std::exchange(pending_edi
 
 void LocalMapper::SearchOldLandmarks(KeyframeId newest) {
   const Keyframe& keyframe = *atlas_.FindKeyframe(newest);
-  const std::vector<KeyframeId> neighbours = Neighbourhood(atlas_, keyframe, options_.search.neighbourhood);
+  const std::vector<KeyframeId> neighbours = Neighbourhood(atlas_, keyframe, options_.neighbourhood);
   Commit(SearchLandmarks(atlas_, keyframe, LandmarksSeenBy(atlas_, neighbours), options_.search));
 }
 
@@ -91,7 +92,7 @@ void LocalMapper::CreateLandmarks(KeyframeId newest) {
 }
 
 void LocalMapper::FuseIntoNeighbours(KeyframeId newest, const std::stop_token& stop) {
-  for (const KeyframeId neighbour : BestCovisible(*atlas_.FindKeyframe(newest), options_.search.fused_keyframes)) {
+  for (const KeyframeId neighbour : BestCovisible(*atlas_.FindKeyframe(newest), options_.fused_keyframes)) {
     if (stop.stop_requested()) return;
     // Anew for each: an earlier fusion may have replaced a landmark.
     const std::vector<LandmarkId> wanted = LandmarksSeenBy(atlas_, {newest});

@@ -1,46 +1,23 @@
 #include "agent/mapping/local_mapping_options.h"
 
-#include <cmath>
-#include <limits>
-#include <sstream>
+#include "common/base/range_check.h"
 
 namespace pangaea {
 namespace {
 
-constexpr double kUnlimited = std::numeric_limits<double>::max();
+constexpr double kUnlimited = RangeCheck::kUnlimited;
 
-// Collects the first option that is out of its range.
-class RangeCheck {
- public:
-  template <typename Number>
-  RangeCheck& In(const char* name, Number value, double low, double high) {
-    const double number = static_cast<double>(value);
-    if (status_.has_value() && !(number >= low && number <= high)) {
-      std::ostringstream message;
-      message << "local mapping: " << name << " is " << number << ", allowed are " << low << " to ";
-      if (high == kUnlimited) {
-        message << "any number";
-      } else {
-        message << high;
-      }
-      status_ = Fail(ErrorCode::kInvalidArgument, message.str());
-    }
-    return *this;
-  }
-  const Status& status() const { return status_; }
-
- private:
-  Status status_;
-};
+void CheckNeighbourhood(const NeighbourhoodOptions& neighbourhood, RangeCheck& check) {
+  check.In("neighbourhood.first", neighbourhood.first, 1, 1000)
+      .In("neighbourhood.second_of_each", neighbourhood.second_of_each, 0, 1000)
+      .In("neighbourhood.overlapping", neighbourhood.overlapping, 0, 1000)
+      .In("neighbourhood.max_axis_angle", neighbourhood.max_axis_angle, 0, 180)
+      .In("neighbourhood.min_overlap", neighbourhood.min_overlap, 0, 1)
+      .In("neighbourhood.overlap_samples", neighbourhood.overlap_samples, 1, 10000);
+}
 
 void CheckSearch(const LandmarkSearchOptions& search, RangeCheck& check) {
-  check.In("search.neighbourhood.first", search.neighbourhood.first, 1, 1000)
-      .In("search.neighbourhood.second_of_each", search.neighbourhood.second_of_each, 0, 1000)
-      .In("search.neighbourhood.overlapping", search.neighbourhood.overlapping, 0, 1000)
-      .In("search.neighbourhood.max_axis_angle", search.neighbourhood.max_axis_angle, 0, 180)
-      .In("search.neighbourhood.min_overlap", search.neighbourhood.min_overlap, 0, 1)
-      .In("search.neighbourhood.overlap_samples", search.neighbourhood.overlap_samples, 1, 10000)
-      .In("search.radius", search.radius, 0.5, 100)
+  check.In("search.radius", search.radius, 0.5, 100)
       .In("search.old_radius", search.old_radius, 0.5, 100)
       .In("search.fusion_gate", search.fusion_gate, 0.1, 100)
       .In("search.max_distance", search.max_distance, 0, 256)
@@ -79,9 +56,10 @@ void CheckAdjustment(const LocalBundleAdjustmentOptions& adjustment, RangeCheck&
 }  // namespace
 
 Status LocalMappingOptions::Check() const {
-  RangeCheck check;
+  RangeCheck check("local mapping");
   check.In("noise.pixel_sigma", noise.pixel_sigma, 0.01, 100);
   check.In("noise.max_depth_baselines", noise.max_depth_baselines, 1, 10000);
+  CheckNeighbourhood(neighbourhood, check);
   CheckSearch(search, check);
   CheckCreation(creation, check);
   CheckCulling(*this, check);

@@ -4,6 +4,8 @@
 #include <cstdint>
 
 #include "common/base/result.h"
+#include "common/mapping/landmark_search.h"
+#include "common/mapping/measurement_noise.h"
 
 namespace pangaea {
 
@@ -17,29 +19,6 @@ struct NeighbourhoodOptions {
   double max_axis_angle = 50.0;      // degrees between the optical axes of such a keyframe and the new one
   double min_overlap = 0.3;          // part of its landmarks that project into the new one
   std::size_t overlap_samples = 40;  // landmarks tried for that (count)
-};
-
-// How a landmark of the map is looked for among a keyframe's keypoints.
-struct LandmarkSearchOptions {
-  NeighbourhoodOptions neighbourhood;
-  // Half the search window in pixels of the octave.
-  double radius = 4.0;
-  // The same for a landmark that was last seen more than `old_after` keyframes ago: the drift since then counts.
-  double old_radius = 8.0;
-  std::uint32_t old_after = 20;
-  // Two landmarks at one keypoint are one when each lies so close, in pixels of the octave, to where the other was
-  // seen.
-  double fusion_gate = 2.5;
-  // Of 256 bits. Unrelated patches differ in 128 +- 20 bits, views of one patch mostly in < 60.
-  int max_distance = 60;
-  // The best match must differ in fewer bits than this part of the second best's.
-  double max_ratio = 0.85;
-  // Degrees between the ray of the nearest earlier view and the new ray: beyond it a patch looks too different.
-  double max_view_angle = 60.0;
-  // The keypoint's octave may differ by so much from the one that the distance predicts.
-  int octave_tolerance = 1;
-  // Covisible keyframes in which the new keyframe's landmarks are looked for (count).
-  std::size_t fused_keyframes = 20;
 };
 
 struct LandmarkCreationOptions {
@@ -96,17 +75,11 @@ struct KeyframeCullingOptions {
   std::uint32_t newest_kept = 3;
 };
 
-// See measurement_noise.h.
-struct MeasurementNoiseOptions {
-  double pixel_sigma = 1.0;  // standard deviation of u, v and u_right at octave 0, pixels
-  // Depth beyond so many baselines is measured by motion alone. An error of the rig's calibration moves all disparities
-  // alike, which for far points is a large part of the depth: it would stretch the map.
-  double max_depth_baselines = 40.0;
-};
-
 struct LocalMappingOptions {
   MeasurementNoiseOptions noise;
+  NeighbourhoodOptions neighbourhood;
   LandmarkSearchOptions search;
+  std::size_t fused_keyframes = 20;  // covisible keyframes in which the new keyframe's landmarks are looked for (count)
   LandmarkCreationOptions creation;
   LandmarkCullingOptions landmark_culling;
   LocalBundleAdjustmentOptions bundle_adjustment;

@@ -5,8 +5,7 @@
 #include <numbers>
 #include <set>
 
-#include "agent/mapping/view_prediction.h"
-#include "common/base/check.h"
+#include "common/mapping/view_prediction.h"
 
 namespace pangaea {
 namespace {
@@ -77,19 +76,6 @@ std::vector<KeyframeId> Neighbourhood(const Atlas& atlas, const Keyframe& center
   }
   for (const KeyframeId id : LookingAtTheSame(atlas, center, known, options)) add(id);
   return result;
-}
-
-std::vector<LandmarkId> LandmarksSeenBy(const Atlas& atlas, const std::vector<KeyframeId>& keyframes) {
-  std::vector<LandmarkId> seen;
-  for (const KeyframeId id : keyframes) {
-    const Keyframe* keyframe = atlas.FindKeyframe(id);
-    PANGAEA_CHECK(keyframe != nullptr);
-    std::copy_if(keyframe->landmarks.begin(), keyframe->landmarks.end(), std::back_inserter(seen),
-                 [](LandmarkId landmark) { return landmark.valid(); });
-  }
-  std::sort(seen.begin(), seen.end());
-  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
-  return seen;
 }
 
 }  // namespace pangaea

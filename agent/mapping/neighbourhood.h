@@ -16,7 +16,4 @@ std::vector<KeyframeId> BestCovisible(const Keyframe& keyframe, std::size_t coun
 // when a place is seen again: nothing is shared with the old keyframes yet.
 std::vector<KeyframeId> Neighbourhood(const Atlas& atlas, const Keyframe& center, const NeighbourhoodOptions& options);
 
-// The landmarks that the keyframes observe, ascending, each once.
-std::vector<LandmarkId> LandmarksSeenBy(const Atlas& atlas, const std::vector<KeyframeId>& keyframes);
-
 }  // namespace pangaea

@@ -6,9 +6,9 @@
 #include <limits>
 #include <numbers>
 
-#include "agent/mapping/measurement_noise.h"
 #include "common/geometry/reprojection.h"
 #include "common/geometry/triangulation.h"
+#include "common/mapping/measurement_noise.h"
 
 namespace pangaea {
 namespace {

@@ -16,4 +16,7 @@ std::vector<Covisibility> CovisibleKeyframes(const Atlas& atlas, KeyframeId id, 
 // `max_keyframes`. Empty for an unknown seed.
 std::vector<KeyframeId> GrowWindow(const Atlas& atlas, KeyframeId seed, std::size_t max_keyframes);
 
+// The landmarks that the keyframes observe, ascending, each once. Unknown ids are left out.
+std::vector<LandmarkId> LandmarksSeenBy(const Atlas& atlas, const std::vector<KeyframeId>& keyframes);
+
 }  // namespace pangaea

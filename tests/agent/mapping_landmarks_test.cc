@@ -4,9 +4,10 @@
 #include <numbers>
 
 #include "agent/mapping/landmark_culling.h"
-#include "agent/mapping/landmark_search.h"
 #include "agent/mapping/neighbourhood.h"
-#include "agent/mapping/view_prediction.h"
+#include "common/map/covisibility.h"
+#include "common/mapping/landmark_search.h"
+#include "common/mapping/view_prediction.h"
 #include "tests/agent/mapping_wall_map.h"
 
 namespace pangaea::testing {

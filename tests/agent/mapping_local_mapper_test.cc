@@ -118,8 +118,8 @@ TEST(LocalMapper, OneCornerBecomesOneLandmark) {
 TEST(LocalMapper, SeeingTheStartAgainObservesItsLandmarksAndTakesBackTheDrift) {
   Walk blind({}, [] {
     LocalMappingOptions options = ExactRig();
-    options.search.neighbourhood.overlapping = 0;
-    options.search.neighbourhood.second_of_each = 0;
+    options.neighbourhood.overlapping = 0;
+    options.neighbourhood.second_of_each = 0;
     return options;
   }());
   Walk walk;

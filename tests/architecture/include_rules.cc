@@ -16,9 +16,9 @@ const Allowed& AllowedIncludes() {
   static const std::set<std::string> kMiddle = {"common/base", "common/geometry"};
   static const std::set<std::string> kUpper = {"common/base", "common/geometry", "common/map", "common/features",
                                                "common/sensor"};
-  static const std::set<std::string> kLink = {"common/base",       "common/geometry",   "common/map",
-                                              "common/features",   "common/sensor",     "common/place",
-                                              "common/estimation", "common/simulation", "common/evaluation"};
+  static const std::set<std::string> kLink = {
+      "common/base",  "common/geometry",   "common/map",     "common/features",   "common/sensor",
+      "common/place", "common/estimation", "common/mapping", "common/simulation", "common/evaluation"};
   static const Allowed kAllowed = [] {
     Allowed allowed;
     allowed["common/base"] = {};
@@ -27,6 +27,8 @@ const Allowed& AllowedIncludes() {
     for (const char* folder : {"common/place", "common/estimation", "common/simulation", "common/evaluation"}) {
       allowed[folder] = kUpper;
     }
+    allowed["common/mapping"] = kUpper;
+    allowed["common/mapping"].insert("common/estimation");
     allowed["common/wire"] = kLink;
     allowed["common/dds"] = kLink;
     allowed["common/dds"].insert("common/wire");
@@ -42,9 +44,10 @@ const Allowed& AllowedIncludes() {
 }
 
 // Folders of core code: functions on values, without a thread, lock, clock, socket or file.
-constexpr std::array kCore = {"common/geometry",   "common/features",          "common/map",    "common/place",
-                              "common/estimation", "agent/tracking",           "agent/mapping", "agent/uplink",
-                              "server/ingest",     "server/place_recognition", "server/fusion", "server/optimization"};
+constexpr std::array kCore = {
+    "common/geometry",          "common/features", "common/map",         "common/place", "common/estimation",
+    "common/mapping",           "agent/tracking",  "agent/mapping",      "agent/uplink", "server/ingest",
+    "server/place_recognition", "server/fusion",   "server/optimization"};
 constexpr std::array kForbiddenInCore = {"thread",
                                          "mutex",
                                          "shared_mutex",

@@ -1,13 +1,13 @@
-#include "agent/mapping/landmark_search.h"
+#include "common/mapping/landmark_search.h"
 
 #include <algorithm>
 #include <set>
 
-#include "agent/mapping/measurement_noise.h"
-#include "agent/mapping/view_prediction.h"
 #include "common/features/feature_grid.h"
 #include "common/features/matching.h"
 #include "common/geometry/reprojection.h"
+#include "common/mapping/measurement_noise.h"
+#include "common/mapping/view_prediction.h"
 
 namespace pangaea {
 namespace {

@@ -1,4 +1,4 @@
-#include "agent/mapping/view_prediction.h"
+#include "common/mapping/view_prediction.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,11 +2,17 @@
 
 #include <Eigen/Core>
 
-#include "agent/mapping/local_mapping_options.h"
 #include "common/geometry/ideal_camera.h"
 #include "common/geometry/keypoint.h"
 
 namespace pangaea {
+
+struct MeasurementNoiseOptions {
+  double pixel_sigma = 1.0;  // standard deviation of u, v and u_right at octave 0, pixels
+  // Depth beyond so many baselines is measured by motion alone. An error of the rig's calibration moves all disparities
+  // alike, which for far points is a large part of the depth: it would stretch the map.
+  double max_depth_baselines = 40.0;
+};
 
 // What a keypoint saw, as estimation wants it: ideal pixel (u, v, u_right), u_right < 0 where unknown.
 inline Eigen::Vector3d MeasurementOf(const Keypoint& keypoint) {
