@@ -1,0 +1,68 @@
+#include "server/fusion/seam_residual.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/reprojection.h"
+#include "server/fusion/seam_adjustment.h"
+
+namespace pangaea {
+namespace {
+
+// The Huber cost of a squared residual, as the bundle adjustment minimises it: bends at the threshold's root.
+double HuberCost(double squared, double threshold) {
+  return squared <= threshold ? 0.5 * squared : std::sqrt(threshold * squared) - 0.5 * threshold;
+}
+
+void Add(const BundleProblem& problem, const BundleObservation& observation, SeamResidual& residual) {
+  const BundlePose& pose = problem.poses[static_cast<std::size_t>(observation.pose)];
+  const BundlePoint& point = problem.points[static_cast<std::size_t>(observation.point)];
+  const IdealCamera& camera = problem.cameras[static_cast<std::size_t>(pose.camera)];
+  const Eigen::Vector3d point_in_camera = pose.camera_from_map * point.point_in_map;
+  const double squared =
+      (observation.inverse_sigma * ReprojectionError(camera, point_in_camera, observation.measurement)).squaredNorm();
+  const double threshold = IsStereo(observation.measurement) ? kStereoChi2 : kMonocularChi2;
+  ++residual.observations;
+  residual.cost += HuberCost(squared, threshold);
+  if (squared > threshold || point_in_camera.z() <= kMinDepth) return;
+  ++residual.inliers;
+  residual.inlier_cost += squared;
+}
+
+}  // namespace
+
+double SeamResidual::mean_cost() const { return observations == 0 ? 0.0 : cost / static_cast<double>(observations); }
+
+double SeamResidual::inlier_share() const {
+  return observations == 0 ? 0.0 : static_cast<double>(inliers) / static_cast<double>(observations);
+}
+
+double SeamResidual::rms_inliers() const {
+  return inliers == 0 ? 0.0 : std::sqrt(inlier_cost / static_cast<double>(inliers));
+}
+
+SeamResidual& SeamResidual::operator+=(const SeamResidual& other) {
+  observations += other.observations;
+  inliers += other.inliers;
+  cost += other.cost;
+  inlier_cost += other.inlier_cost;
+  return *this;
+}
+
+SeamResidual MeasureResidual(const WindowBundle& bundle, const std::vector<LandmarkId>& landmarks) {
+  SeamResidual residual;
+  for (const BundleObservation& observation : bundle.problem.observations) {
+    const LandmarkId id = bundle.landmarks[static_cast<std::size_t>(observation.point)];
+    if (std::binary_search(landmarks.begin(), landmarks.end(), id)) Add(bundle.problem, observation, residual);
+  }
+  return residual;
+}
+
+SeamResidual MeasureResidual(const Atlas& atlas, const std::vector<KeyframeId>& keyframes,
+                             const MeasurementNoiseOptions& noise) {
+  const BundleWindow window{.free = keyframes, .fixed = {}, .landmarks = TyingLandmarks(atlas, keyframes)};
+  const WindowBundle bundle = BuildWindowBundle(atlas, window, noise);
+  return MeasureResidual(bundle, bundle.landmarks);
+}
+
+}  // namespace pangaea
