@@ -1,0 +1,194 @@
+#include "common/estimation/two_view_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "common/base/check.h"
+#include "common/estimation/bundle_adjustment.h"
+#include "common/geometry/essential_matrix.h"
+#include "common/geometry/homography.h"
+#include "common/geometry/triangulation.h"
+
+namespace pangaea {
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+// With fewer no model is worth looking for.
+constexpr int kMinMatches = 16;
+
+// A motion and the points that it explains, with enough parallax to have a depth.
+struct Hypothesis {
+  Rigid3d second_from_first;
+  std::vector<TwoViewPoint> points;
+};
+
+// Degrees.
+double Parallax(const Rigid3d& second_from_first, const Eigen::Vector3d& point_in_first) {
+  return kDegrees * ParallaxAngle(point_in_first, point_in_first - second_from_first.Inverse().translation());
+}
+
+bool Fits(const IdealCamera& camera, const Eigen::Vector3d& point_in_camera, const Eigen::Vector2d& pixel,
+          double inverse_sigma) {
+  if (point_in_camera.z() <= kMinDepth) return false;
+  const double error = inverse_sigma * inverse_sigma * (camera.Project(point_in_camera) - pixel).squaredNorm();
+  return error <= kMonocularChi2;
+}
+
+// `values` must not be empty.
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+class Reconstructor {
+ public:
+  Reconstructor(const IdealCamera& camera, std::span<const PixelMatch> matches, const TwoViewOptions& options)
+      : camera_(camera), matches_(matches), options_(options) {
+    const auto share = static_cast<std::size_t>(options.min_point_share * static_cast<double>(matches.size()));
+    min_points_ = std::max(static_cast<std::size_t>(options.min_points), share);
+  }
+
+  tl::expected<TwoViewReconstruction, TwoViewRefusal> Run(std::uint64_t seed) const {
+    if (matches_.size() < min_points_) return tl::make_unexpected(TwoViewRefusal::kTooFewMatches);
+    const auto homography = FindHomography(camera_, matches_, options_.ransac, seed);
+    const auto essential = FindEssentialMatrix(camera_, matches_, options_.ransac, seed + 1);
+    const double homography_score = homography ? homography->score : 0.0;
+    const double essential_score = essential ? essential->score : 0.0;
+    if (!(homography_score + essential_score > 0.0)) return tl::make_unexpected(TwoViewRefusal::kNoModel);
+    const bool planar = homography_score > options_.homography_ratio * (homography_score + essential_score);
+    const auto motions = planar ? DecomposeHomography(homography->matrix) : DecomposeEssentialMatrix(essential->matrix);
+    const auto best = ChooseMotion(motions, planar ? homography->inliers : essential->inliers);
+    if (!best) return tl::make_unexpected(best.error());
+    return Adjust(*best, planar);
+  }
+
+ private:
+  tl::expected<Hypothesis, TwoViewRefusal> ChooseMotion(const std::vector<Rigid3d>& motions,
+                                                        const std::vector<std::uint8_t>& inliers) const {
+    if (static_cast<std::size_t>(std::count(inliers.begin(), inliers.end(), 1)) < min_points_) {
+      return tl::make_unexpected(TwoViewRefusal::kNoModel);
+    }
+    Hypothesis best;
+    std::size_t runner_up = 0;
+    for (const Rigid3d& motion : motions) {
+      Hypothesis hypothesis = Triangulate(motion, inliers);
+      if (hypothesis.points.size() > best.points.size()) std::swap(hypothesis, best);
+      runner_up = std::max(runner_up, hypothesis.points.size());
+    }
+    if (best.points.size() < min_points_) return tl::make_unexpected(TwoViewRefusal::kLowParallax);
+    if (static_cast<double>(runner_up) > options_.max_runner_up * static_cast<double>(best.points.size())) {
+      return tl::make_unexpected(TwoViewRefusal::kAmbiguous);
+    }
+    return best;
+  }
+
+  Hypothesis Triangulate(const Rigid3d& second_from_first, const std::vector<std::uint8_t>& inliers) const {
+    Hypothesis hypothesis{second_from_first, {}};
+    for (std::uint32_t i = 0; i < matches_.size(); ++i) {
+      const PixelMatch& match = matches_[i];
+      if (inliers[i] == 0) continue;
+      const auto point =
+          TriangulateMidpoint(PixelRay(camera_, Rigid3d(), match.first),
+                              PixelRay(camera_, second_from_first, match.second), options_.min_parallax / kDegrees);
+      if (!point || !Fits(camera_, *point, match.first, match.inverse_sigma)) continue;
+      if (!Fits(camera_, second_from_first * *point, match.second, match.inverse_sigma)) continue;
+      hypothesis.points.push_back({i, *point});
+    }
+    return hypothesis;
+  }
+
+  tl::expected<TwoViewReconstruction, TwoViewRefusal> Adjust(const Hypothesis& hypothesis, bool planar) const {
+    BundleProblem problem;
+    problem.cameras.push_back(camera_);
+    problem.poses = {{Rigid3d(), 0, true}, {hypothesis.second_from_first, 0, false}};
+    for (const TwoViewPoint& point : hypothesis.points) {
+      const int index = static_cast<int>(problem.points.size());
+      const PixelMatch& match = matches_[point.match];
+      problem.points.push_back({point.point_in_first, false});
+      problem.observations.push_back({0, index, {match.first.x(), match.first.y(), -1.0}, match.inverse_sigma});
+      problem.observations.push_back({1, index, {match.second.x(), match.second.y(), -1.0}, match.inverse_sigma});
+    }
+    BundleOptions options;
+    options.iterations = options_.iterations;
+    options.iterations_without_outliers = options_.iterations_without_outliers;
+    const auto adjusted = SolveBundle(problem, options);
+    PANGAEA_CHECK(adjusted.has_value());
+    TwoViewReconstruction result;
+    result.second_from_first = adjusted->poses[1];
+    result.planar = planar;
+    for (std::size_t i = 0; i < hypothesis.points.size(); ++i) {
+      const bool outlier = adjusted->outliers[2 * i] != 0 || adjusted->outliers[2 * i + 1] != 0;
+      const double parallax = Parallax(result.second_from_first, adjusted->points[i]);
+      if (outlier || parallax < options_.min_parallax) continue;
+      result.points.push_back({hypothesis.points[i].match, adjusted->points[i]});
+    }
+    return Finish(std::move(result));
+  }
+
+  // Judges what is left and gives it its scale.
+  tl::expected<TwoViewReconstruction, TwoViewRefusal> Finish(TwoViewReconstruction result) const {
+    if (result.points.size() < min_points_) return tl::make_unexpected(TwoViewRefusal::kLowParallax);
+    std::vector<double> depths;
+    std::vector<double> parallaxes;
+    for (const TwoViewPoint& point : result.points) {
+      depths.push_back(point.point_in_first.z());
+      parallaxes.push_back(Parallax(result.second_from_first, point.point_in_first));
+    }
+    const double scale = 1.0 / Median(std::move(depths));
+    result.median_parallax = Median(std::move(parallaxes));
+    const Rigid3d& motion = result.second_from_first;
+    result.second_from_first = Rigid3d(motion.rotation(), scale * motion.translation());
+    for (TwoViewPoint& point : result.points) point.point_in_first *= scale;
+    return result;
+  }
+
+  const IdealCamera& camera_;
+  std::span<const PixelMatch> matches_;
+  const TwoViewOptions& options_;
+  std::size_t min_points_ = 0;
+};
+
+}  // namespace
+
+Status TwoViewOptions::Check() const {
+  const auto refuse = [](const char* what) {
+    return Fail(ErrorCode::kInvalidArgument, std::string("two views: ") + what);
+  };
+  if (ransac.max_iterations < 1) return refuse("ransac.max_iterations must be >= 1");
+  if (!(ransac.confidence > 0.0 && ransac.confidence < 1.0)) return refuse("ransac.confidence must be in (0, 1)");
+  if (!(homography_ratio >= 0.0 && homography_ratio <= 1.0)) return refuse("homography_ratio must be in [0, 1]");
+  if (!(min_parallax > 0.0 && min_parallax < 45.0)) return refuse("min_parallax must be in (0, 45) degrees");
+  if (min_points < kMinMatches) return refuse("min_points must be >= 16");
+  if (!(min_point_share >= 0.0 && min_point_share <= 1.0)) return refuse("min_point_share must be in [0, 1]");
+  if (!(max_runner_up > 0.0 && max_runner_up <= 1.0)) return refuse("max_runner_up must be in (0, 1]");
+  if (iterations < 1 || iterations_without_outliers < 0)
+    return refuse("iterations must be >= 1, those without outliers >= 0");
+  return {};
+}
+
+const char* ToString(TwoViewRefusal refusal) {
+  switch (refusal) {
+    case TwoViewRefusal::kTooFewMatches:
+      return "too few matches";
+    case TwoViewRefusal::kNoModel:
+      return "no model explains the matches";
+    case TwoViewRefusal::kLowParallax:
+      return "low parallax";
+    case TwoViewRefusal::kAmbiguous:
+      return "ambiguous motion";
+  }
+  return "unknown";
+}
+
+tl::expected<TwoViewReconstruction, TwoViewRefusal> ReconstructFromTwoViews(const IdealCamera& camera,
+                                                                            std::span<const PixelMatch> matches,
+                                                                            const TwoViewOptions& options,
+                                                                            std::uint64_t seed) {
+  return Reconstructor(camera, matches, options).Run(seed);
+}
+
+}  // namespace pangaea
