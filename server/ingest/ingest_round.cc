@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "common/map/map_edit.h"
 #include "server/ingest/envelope_judgement.h"
 
 namespace pangaea {
@@ -75,6 +76,8 @@ void IngestRound::Take(const WriterLost& input) {
   }
 }
 
+void IngestRound::Take(EditsProposed proposal) { outcome_.answers.push_back(JudgeProposal(proposal)); }
+
 IngestOutcome IngestRound::Finish(const std::vector<SessionId>& unsaved) && {
   for (const SessionId id : unsaved) answers_[id].save = true;
   for (auto& [id, answer] : answers_) {
@@ -107,6 +110,29 @@ void IngestRound::Judge(Envelope envelope, IngestSession& session) {
   answers_[envelope.session].save = true;
   ReportMaps(*edits, envelope.session);
   outcome_.batch.entries.push_back({++outcome_.state.position, std::move(envelope)});
+}
+
+ProposalAnswer IngestRound::JudgeProposal(EditsProposed& proposal) {
+  IngestState& state = outcome_.state;
+  auto edits = proposal.make(state.atlas);
+  if (!edits) return tl::make_unexpected(std::move(edits.error()));
+  Cause cause = std::move(proposal.cause);
+  if (edits->empty()) return EditsTaken{std::move(cause), 0, 0};
+  const std::uint64_t position = state.position + 1;
+  StampCorrections(position, *edits);
+  // What is applied is what recovery will read.
+  std::vector<std::byte> encoded = EncodeEdits(*edits);
+  const auto readable = DecodeEdits(encoded);
+  if (!readable) return tl::make_unexpected(readable.error());
+  auto atlas = ApplyWhole(*readable, state.atlas);
+  if (!atlas) return Fail(ErrorCode::kRefused, std::move(atlas.error().text));
+  if (proposal.keep_before) outcome_.kept.push_back({state.atlas, state.position});
+  if (cause.number == 0) cause.number = position;
+  state.atlas = std::move(*atlas);
+  state.position = position;
+  outcome_.batch.server_edits.push_back({position, cause.Text(), std::move(encoded)});
+  if (proposal.event) Report(proposal.event->kind, proposal.event->session, cause.Text() + ": " + proposal.event->text);
+  return EditsTaken{std::move(cause), position, edits->size()};
 }
 
 void IngestRound::Refuse(const Envelope& envelope, Rejection rejection, IngestSession& session) {

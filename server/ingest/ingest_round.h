@@ -11,6 +11,7 @@
 #include "common/wire/atlas_event.h"
 #include "server/ingest/ingest_session.h"
 #include "server/ingest/journal.h"
+#include "server/ingest/server_proposal.h"
 
 namespace pangaea {
 
@@ -43,12 +44,20 @@ struct IngestOptions {
   Status Check() const;
 };
 
+// The atlas before edits that somebody may want to undo.
+struct KeptAtlas {
+  Atlas atlas;
+  std::uint64_t position = 0;
+};
+
 // What a round leads to. Nothing of it may become visible before `batch` is durable.
 struct IngestOutcome {
   IngestState state;
   JournalBatch batch;
   std::vector<EditAck> acks;  // one per session that sent envelopes; server_incarnation is for the shell to fill in
-  std::vector<AtlasEvent> events;  // site and stamp_ns are for the shell to fill in
+  std::vector<AtlasEvent> events;       // site and stamp_ns are for the shell to fill in
+  std::vector<ProposalAnswer> answers;  // to the proposals, in their order
+  std::vector<KeptAtlas> kept;          // snapshots to be kept, ascending by position
 };
 
 // Judges a handful of inputs, in order, on a copy of the state. Pure: no clock, no store, no network.
@@ -60,6 +69,8 @@ class IngestRound {
   void Take(EnvelopeArrived input);
   void Take(const SessionAnnounced& input);
   void Take(const WriterLost& input);
+  // All edits of a proposal count, or none.
+  void Take(EditsProposed proposal);
   // Each record changed in the round and each of `unsaved` (changed in a round whose batch was not stored) is in the
   // batch.
   IngestOutcome Finish(const std::vector<SessionId>& unsaved = {}) &&;
@@ -74,6 +85,7 @@ class IngestRound {
 
   IngestSession* FindOrOpen(SessionId id);
   void Judge(Envelope envelope, IngestSession& session);
+  ProposalAnswer JudgeProposal(EditsProposed& proposal);
   void Refuse(const Envelope& envelope, Rejection rejection, IngestSession& session);
   void ReportMaps(const std::vector<MapEdit>& edits, SessionId session);
   void Report(AtlasEventKind kind, SessionId session, std::string text);

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <future>
 #include <utility>
 
 #include "server/runtime/unix_clock.h"
@@ -44,7 +45,7 @@ Result<std::unique_ptr<AtlasService>> AtlasService::Open(const std::filesystem::
   if (!recovered) return tl::make_unexpected(recovered.error());
   const auto incarnation = store->BeginIncarnation();
   if (!incarnation) return tl::make_unexpected(incarnation.error());
-  auto snapshots = SnapshotStore::Open(path, options.store.max_bytes);
+  auto snapshots = SnapshotStore::Open(path, options.store.max_bytes, options.retention);
   if (!snapshots) return tl::make_unexpected(snapshots.error());
   const SnapshotTriggers triggers{options.snapshot_envelopes, options.snapshot_bytes};
   auto thread = std::make_unique<SnapshotThread>(std::move(*snapshots), triggers, recovered->snapshot_position,
@@ -82,13 +83,29 @@ void AtlasService::Stop() {
 
 void AtlasService::Submit(IngestInput input) { (void)queue_.Push(Arrival{std::move(input), Clock::now()}); }
 
+void AtlasService::Propose(EditsProposed proposal, Answer answer) {
+  // The queue destroys what it does not take.
+  if (!queue_.Push(Proposed{std::move(proposal), answer})) answer(Fail(ErrorCode::kUnavailable, "the server stops"));
+}
+
+ProposalAnswer AtlasService::ProposeAndWait(EditsProposed proposal) {
+  std::promise<ProposalAnswer> promise;
+  Propose(std::move(proposal), [&promise](const ProposalAnswer& answer) { promise.set_value(answer); });
+  return promise.get_future().get();
+}
+
 void AtlasService::Tick() { (void)queue_.TryPush(Ticked{}); }
 
 void AtlasService::SetStoreQuota(std::uint64_t max_bytes) { (void)queue_.Push(NewQuota{max_bytes}); }
 
 void AtlasService::Run() {
   while (auto job = queue_.Pop()) {
-    if (!failed_) RunRound(NextJobs(std::move(*job)));
+    std::vector<Job> jobs = NextJobs(std::move(*job));
+    if (failed_) {
+      Decline(jobs, "the server cannot go on");
+    } else {
+      RunRound(std::move(jobs));
+    }
   }
 }
 
@@ -114,11 +131,14 @@ void AtlasService::RunRound(std::vector<Job> jobs) {
   }
   if (!stored) {
     failed_ = true;
+    Decline(jobs, stored.error().message);
     return output_.fail(stored.error());
   }
   unsaved_.clear();
   for (const auto arrival : arrivals) current_.acknowledge_ms.Add(MillisecondsSince(arrival));
+  std::vector<ProposalAnswer> answers = std::move(outcome.answers);
   Adopt(std::move(outcome));
+  AnswerProposals(jobs, answers);
   if (HasInput(jobs)) output_.changed();
 }
 
@@ -147,6 +167,8 @@ IngestOutcome AtlasService::JudgeRound(std::vector<Job>& jobs) const {
   for (Job& job : jobs) {
     if (auto* arrival = std::get_if<Arrival>(&job)) {
       std::visit([&round](auto&& input) { round.Take(std::move(input)); }, std::move(arrival->input));
+    } else if (auto* proposed = std::get_if<Proposed>(&job)) {
+      round.Take(std::move(proposed->proposal));
     }
   }
   return std::move(round).Finish(unsaved_);
@@ -164,7 +186,10 @@ void AtlasService::Adopt(IngestOutcome outcome) {
   current_.ingest = std::move(outcome.state);
   std::uint64_t bytes = 0;
   for (const JournalEntry& entry : outcome.batch.entries) bytes += entry.envelope.edits.size();
-  snapshots_->Committed(current_.ingest.atlas, current_.ingest.position, outcome.batch.entries.size(), bytes);
+  for (const ServerEdits& edits : outcome.batch.server_edits) bytes += edits.edits.size();
+  const std::size_t entries = outcome.batch.entries.size() + outcome.batch.server_edits.size();
+  for (KeptAtlas& kept : outcome.kept) snapshots_->Keep(std::move(kept.atlas), kept.position);
+  snapshots_->Committed(current_.ingest.atlas, current_.ingest.position, entries, bytes);
   PublishState();
   for (EditAck& ack : outcome.acks) {
     ack.server_incarnation = incarnation_;
@@ -180,6 +205,7 @@ void AtlasService::AdoptWithoutStore(std::vector<Job>& jobs, const std::string& 
     PublishState();
     Report({{}, AtlasEventKind::kStoreFailed, error, 0, 0});
   }
+  Decline(jobs, "the store takes nothing: " + error);
   std::erase_if(jobs, [](const Job& job) {
     const auto* arrival = std::get_if<Arrival>(&job);
     return arrival == nullptr || std::holds_alternative<EnvelopeArrived>(arrival->input);
@@ -189,6 +215,19 @@ void AtlasService::AdoptWithoutStore(std::vector<Job>& jobs, const std::string& 
   for (const SessionRecord& record : outcome.batch.sessions) unsaved_.push_back(record.announcement.session);
   Adopt(std::move(outcome));
   output_.changed();
+}
+
+void AtlasService::AnswerProposals(const std::vector<Job>& jobs, const std::vector<ProposalAnswer>& answers) {
+  auto answer = answers.begin();
+  for (const Job& job : jobs) {
+    if (const auto* proposed = std::get_if<Proposed>(&job)) proposed->answer(*answer++);
+  }
+}
+
+void AtlasService::Decline(const std::vector<Job>& jobs, const std::string& why) {
+  for (const Job& job : jobs) {
+    if (const auto* proposed = std::get_if<Proposed>(&job)) proposed->answer(Fail(ErrorCode::kUnavailable, why));
+  }
 }
 
 std::vector<AtlasService::Clock::time_point> AtlasService::EnvelopeArrivals(const std::vector<Job>& jobs) {
@@ -203,7 +242,9 @@ std::vector<AtlasService::Clock::time_point> AtlasService::EnvelopeArrivals(cons
 }
 
 bool AtlasService::HasInput(const std::vector<Job>& jobs) {
-  return std::ranges::any_of(jobs, [](const Job& job) { return std::holds_alternative<Arrival>(job); });
+  return std::ranges::any_of(jobs, [](const Job& job) {
+    return std::holds_alternative<Arrival>(job) || std::holds_alternative<Proposed>(job);
+  });
 }
 
 void AtlasService::Report(AtlasEvent event) {

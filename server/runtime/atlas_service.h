@@ -61,6 +61,12 @@ class AtlasService {
 
   // Any thread. Waits while the queue is full; what comes after Stop() is dropped (it was never acknowledged).
   void Submit(IngestInput input);
+  // Any thread; waits while the queue is full. `answer` is called once, on the atlas thread, when the edits are durable
+  // and State() has them, or when they are not taken: kUnavailable while the store is full and after Stop().
+  using Answer = std::function<void(const ProposalAnswer&)>;
+  void Propose(EditsProposed proposal, Answer answer);
+  // Any thread but the atlas thread: proposes and waits for the answer.
+  ProposalAnswer ProposeAndWait(EditsProposed proposal);
   // Any thread, about once a second: the sizes in the state are measured anew, and a full store is tried again.
   void Tick();
   // Any thread: changes the store's quota, in order with what was submitted.
@@ -84,7 +90,11 @@ class AtlasService {
   struct NewQuota {
     std::uint64_t max_bytes = 0;
   };
-  using Job = std::variant<Arrival, Ticked, NewQuota>;
+  struct Proposed {
+    EditsProposed proposal;
+    Answer answer;
+  };
+  using Job = std::variant<Arrival, Proposed, Ticked, NewQuota>;
 
   AtlasService(Store store, RecoveredAtlas recovered, std::uint64_t incarnation, std::string site,
                std::unique_ptr<SnapshotThread> snapshots, const ServiceOptions& options);
@@ -98,6 +108,9 @@ class AtlasService {
   void Adopt(IngestOutcome outcome);
   // The store is full: what needs no store still counts, the envelopes are forgotten (their agents have them).
   void AdoptWithoutStore(std::vector<Job>& jobs, const std::string& error);
+  static void AnswerProposals(const std::vector<Job>& jobs, const std::vector<ProposalAnswer>& answers);
+  // None of the proposals among the jobs is taken.
+  static void Decline(const std::vector<Job>& jobs, const std::string& why);
   void Report(AtlasEvent event);
   void PublishState();
   static std::vector<Clock::time_point> EnvelopeArrivals(const std::vector<Job>& jobs);

@@ -41,6 +41,8 @@ void ReadService(ConfigReader& reader, ServiceOptions& options) {
   ReadMebibytes(reader, "store.max_mib", &options.store.max_bytes, 0);
   reader.Read("snapshot.every_envelopes", &options.snapshot_envelopes, Range{1, 1'000'000'000});
   ReadMebibytes(reader, "snapshot.every_mib", &options.snapshot_bytes, 1);
+  reader.Read("snapshot.kept", &options.retention.snapshots, Range{0, 1000});
+  ReadMebibytes(reader, "snapshot.kept_mib", &options.retention.journal_bytes, 0);
 }
 
 }  // namespace

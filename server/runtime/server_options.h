@@ -9,6 +9,7 @@
 #include "common/base/result.h"
 #include "common/dds/participant.h"
 #include "server/ingest/ingest_round.h"
+#include "server/storage/snapshot_store.h"
 #include "server/storage/store.h"
 
 namespace pangaea {
@@ -24,6 +25,7 @@ struct ServiceOptions {
   // A snapshot is written when the journal has grown by either, so that recovery stays within 5 s.
   std::uint64_t snapshot_envelopes = 1000;
   std::uint64_t snapshot_bytes = 128U << 20;
+  SnapshotRetention retention{};
   IngestOptions ingest{};
   StoreOptions store{};
 

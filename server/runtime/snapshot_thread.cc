@@ -3,7 +3,9 @@
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <utility>
 
 #include "server/runtime/unix_clock.h"
@@ -42,9 +44,20 @@ void SnapshotThread::Committed(const Atlas& atlas, std::uint64_t position, std::
   pending_envelopes_ += envelopes;
   pending_bytes_ += bytes;
   if (pending_envelopes_ < triggers_.envelopes && pending_bytes_ < triggers_.bytes) return;
-  if (writing_ || order_) return;
+  if (due_ordered_) return;
   pending_envelopes_ = pending_bytes_ = 0;
-  order_.emplace(Order{atlas, position});
+  due_ordered_ = true;
+  orders_.push_back({atlas, position, false});
+  ordered_.notify_one();
+}
+
+void SnapshotThread::Keep(Atlas atlas, std::uint64_t position) {
+  MutexLock lock(mutex_);
+  const auto waits = [](const Order& order) { return order.keep; };
+  if (std::ranges::count_if(orders_, waits) >= static_cast<std::ptrdiff_t>(kMaxWaiting)) {
+    orders_.erase(std::ranges::find_if(orders_, waits));
+  }
+  orders_.push_back({std::move(atlas), position, true});
   ordered_.notify_one();
 }
 
@@ -60,25 +73,28 @@ void SnapshotThread::Run(const std::stop_token& stop) {
 
 std::optional<SnapshotThread::Order> SnapshotThread::NextOrder(const std::stop_token& stop) {
   MutexLock lock(mutex_);
-  writing_ = false;
-  ordered_.wait(mutex_, stop, [this]() REQUIRES(mutex_) { return order_.has_value(); });
+  ordered_.wait(mutex_, stop, [this]() REQUIRES(mutex_) { return !orders_.empty(); });
   if (stop.stop_requested()) return std::nullopt;
-  writing_ = true;
-  return std::exchange(order_, std::nullopt);
+  Order order = std::move(orders_.front());
+  orders_.pop_front();
+  return order;
 }
 
 void SnapshotThread::Write(const Order& order, const std::stop_token& stop) {
   const auto begin = std::chrono::steady_clock::now();
-  const Status status = store_.Write(order.atlas, order.position, UnixNanoseconds(), stop);
+  const Status status = order.keep ? store_.Keep(order.atlas, order.position, UnixNanoseconds(), stop)
+                                   : store_.Write(order.atlas, order.position, UnixNanoseconds(), stop);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   if (status) {
-    spdlog::info("snapshot of {} keyframes written in {:.2f} s", order.atlas.keyframe_count(), took.count());
+    spdlog::info("snapshot of {} keyframes {} in {:.2f} s", order.atlas.keyframe_count(),
+                 order.keep ? "kept" : "written", took.count());
   } else if (!stop.stop_requested()) {
     spdlog::warn("no snapshot: {}; the journal goes on growing", status.error().message);
   }
   MutexLock lock(mutex_);
+  if (!order.keep) due_ordered_ = false;
   report_.error = status ? std::string() : status.error().message;
-  if (!status) return;
+  if (!status || order.keep) return;
   report_.position = order.position;
   report_.seconds = took.count();
   ++report_.written;

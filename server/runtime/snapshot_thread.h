@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -37,15 +39,20 @@ class SnapshotThread {
   // Gives up a snapshot that is being written.
   void Stop();
 
+  // By the atlas thread, before Committed() of what follows: keep a snapshot of the atlas at that position. Up to
+  // kMaxWaiting wait to be written; the oldest waiting one is given up for a newer one.
+  void Keep(Atlas atlas, std::uint64_t position) EXCLUDES(mutex_);
   // After each commit, by the atlas thread. The atlas is copied only when a snapshot is due.
   void Committed(const Atlas& atlas, std::uint64_t position, std::uint64_t envelopes, std::uint64_t bytes)
       EXCLUDES(mutex_);
   SnapshotReport Report() const EXCLUDES(mutex_);
 
  private:
+  static constexpr std::size_t kMaxWaiting = 4;
   struct Order {
     Atlas atlas;
     std::uint64_t position;
+    bool keep;
   };
   void Run(const std::stop_token& stop);
   std::optional<Order> NextOrder(const std::stop_token& stop) EXCLUDES(mutex_);
@@ -55,8 +62,8 @@ class SnapshotThread {
   const SnapshotTriggers triggers_;
   mutable Mutex mutex_;
   ConditionVariable ordered_;
-  std::optional<Order> order_ GUARDED_BY(mutex_);
-  bool writing_ GUARDED_BY(mutex_) = false;
+  std::deque<Order> orders_ GUARDED_BY(mutex_);  // ascending by position
+  bool due_ordered_ GUARDED_BY(mutex_) = false;  // a snapshot for recovery is among the orders or being written
   std::uint64_t pending_envelopes_ GUARDED_BY(mutex_);
   std::uint64_t pending_bytes_ GUARDED_BY(mutex_) = 0;
   SnapshotReport report_ GUARDED_BY(mutex_);

@@ -35,7 +35,8 @@ CREATE TABLE server_edits(
   position INTEGER PRIMARY KEY,
   cause TEXT NOT NULL,
   wire_version INTEGER NOT NULL,
-  edits BLOB NOT NULL);
+  edits BLOB NOT NULL,
+  undone INTEGER NOT NULL DEFAULT 0);
 CREATE TABLE rejections(
   session INTEGER NOT NULL,
   sequence INTEGER NOT NULL,
@@ -49,7 +50,8 @@ CREATE TABLE snapshots(
   created_unix_ns INTEGER NOT NULL,
   chunks INTEGER NOT NULL,
   bytes INTEGER NOT NULL,
-  checksum INTEGER NOT NULL);
+  checksum INTEGER NOT NULL,
+  kept INTEGER NOT NULL DEFAULT 0);
 CREATE TABLE snapshot_chunks(
   snapshot INTEGER NOT NULL,
   chunk INTEGER NOT NULL,
@@ -59,7 +61,28 @@ CREATE TABLE keyframe_payloads(
   session INTEGER NOT NULL,
   counter INTEGER NOT NULL,
   bytes BLOB NOT NULL,
+  missing_since INTEGER NOT NULL DEFAULT 0,
   PRIMARY KEY(session, counter));
+CREATE TABLE separations(
+  cause TEXT NOT NULL,
+  first_session INTEGER NOT NULL,
+  first_counter INTEGER NOT NULL,
+  second_session INTEGER NOT NULL,
+  second_counter INTEGER NOT NULL);
+)";
+
+// From schema 1: what undo needs.
+constexpr const char* kUpgradeFrom1 = R"(
+ALTER TABLE server_edits ADD COLUMN undone INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE snapshots ADD COLUMN kept INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE keyframe_payloads ADD COLUMN missing_since INTEGER NOT NULL DEFAULT 0;
+CREATE TABLE separations(
+  cause TEXT NOT NULL,
+  first_session INTEGER NOT NULL,
+  first_counter INTEGER NOT NULL,
+  second_session INTEGER NOT NULL,
+  second_counter INTEGER NOT NULL);
+PRAGMA user_version=2;
 )";
 
 Status WriteIdentity(Database& database, const std::string& site) {
@@ -89,9 +112,20 @@ Status CheckSchema(Database& database) {
   }
   const auto schema = database.Number("PRAGMA user_version");
   if (!schema) return tl::make_unexpected(schema.error());
-  if (*schema == kStoreSchema) return {};
+  if (*schema >= kOldestStoreSchema && *schema <= kStoreSchema) return {};
   return Fail(ErrorCode::kUnsupported, database.path().string() + ": has store schema " + std::to_string(*schema) +
-                                           ", this build reads schema " + std::to_string(kStoreSchema));
+                                           ", this build reads schemas " + std::to_string(kOldestStoreSchema) + " to " +
+                                           std::to_string(kStoreSchema));
+}
+
+Status UpgradeSchema(Database& database) {
+  const auto schema = database.Number("PRAGMA user_version");
+  if (!schema) return tl::make_unexpected(schema.error());
+  if (*schema == kStoreSchema) return {};
+  auto transaction = Transaction::Begin(database);
+  if (!transaction) return tl::make_unexpected(transaction.error());
+  if (auto status = database.Execute(kUpgradeFrom1); !status) return status;
+  return transaction->Commit();
 }
 
 Result<std::string> StoredSite(Database& database) {

@@ -36,11 +36,12 @@ Result<std::shared_ptr<const KeyframeData>> LoadKeyframeData(Statement& select, 
 
 }  // namespace
 
-Result<std::optional<StoredSnapshot>> LoadSnapshot(Database& database) {
-  auto select =
-      Statement::Prepare(database, "SELECT id, position, bytes, checksum FROM snapshots ORDER BY id DESC LIMIT 1");
+Result<std::optional<StoredSnapshot>> LoadSnapshot(Database& database, std::uint64_t up_to) {
+  auto select = Statement::Prepare(database,
+                                   "SELECT id, position, bytes, checksum FROM snapshots WHERE position <= ?1 ORDER BY "
+                                   "position DESC, id DESC LIMIT 1");
   if (!select) return tl::make_unexpected(select.error());
-  const auto row = select->Step();
+  const auto row = select->Bind(up_to).Step();
   if (!row) return tl::make_unexpected(row.error());
   if (!*row) return std::nullopt;
   auto atlas = LoadChunks(database, select->Word(0), select->Word(2));

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -17,8 +18,11 @@ struct StoredSnapshot {
   std::vector<std::byte> atlas;  // EncodeAtlas()
 };
 
-// The newest whole snapshot; nothing before the first. kCorrupt where its checksum does not fit.
-Result<std::optional<StoredSnapshot>> LoadSnapshot(Database& database);
+inline constexpr std::uint64_t kAnyPosition = std::numeric_limits<std::int64_t>::max();
+
+// The newest whole snapshot of a position up to `up_to`; nothing where there is none. kCorrupt where its checksum does
+// not fit.
+Result<std::optional<StoredSnapshot>> LoadSnapshot(Database& database, std::uint64_t up_to = kAnyPosition);
 // Reads keyframe data as a snapshot needs it. Refers to `database`.
 Result<KeyframeDataSource> StoredKeyframeData(Database& database);
 

@@ -38,19 +38,35 @@ std::string DeleteSome(const std::string& table, const std::string& condition) {
 
 }  // namespace
 
-Result<SnapshotStore> SnapshotStore::Open(const std::filesystem::path& path, std::uint64_t max_bytes) {
+Result<SnapshotStore> SnapshotStore::Open(const std::filesystem::path& path, std::uint64_t max_bytes,
+                                          const SnapshotRetention& retention) {
   auto database = Database::Open(path, Database::Access::kReadWrite);
   if (!database) return tl::make_unexpected(database.error());
   if (auto status = ConfigureForWriting(*database, max_bytes); !status) return tl::make_unexpected(status.error());
   // NORMAL: a power cut may take a snapshot's last steps back, but always the last ones first, and they can be redone.
   if (auto status = database->Execute("PRAGMA synchronous=NORMAL"); !status) return tl::make_unexpected(status.error());
-  SnapshotStore store(std::move(*database));
+  SnapshotStore store(std::move(*database), retention);
   if (auto status = store.LoadStoredPayloads(); !status) return tl::make_unexpected(status.error());
   return store;
 }
 
 Status SnapshotStore::Write(const Atlas& atlas, std::uint64_t position, std::int64_t now_unix_ns,
                             const std::stop_token& stop) {
+  if (auto status = Insert(atlas, position, false, now_unix_ns, stop); !status) return status;
+  if (auto status = ReleaseKept(stop); !status) return status;
+  if (auto status = RemoveReplaced(position, stop); !status) return status;
+  return RemoveStalePayloads(atlas, position, stop);
+}
+
+Status SnapshotStore::Keep(const Atlas& atlas, std::uint64_t position, std::int64_t now_unix_ns,
+                           const std::stop_token& stop) {
+  if (retention_.snapshots == 0) return {};
+  if (auto status = Insert(atlas, position, true, now_unix_ns, stop); !status) return status;
+  return ReleaseKept(stop);
+}
+
+Status SnapshotStore::Insert(const Atlas& atlas, std::uint64_t position, bool kept, std::int64_t now_unix_ns,
+                             const std::stop_token& stop) {
   if (auto status = StorePayloads(atlas, stop); !status) return status;
   const std::vector<std::byte> bytes = EncodeAtlas(atlas);
   // Above the chunks that an interrupted snapshot may have left behind, too.
@@ -60,21 +76,20 @@ Status SnapshotStore::Write(const Atlas& atlas, std::uint64_t position, std::int
   if (!newest) return tl::make_unexpected(newest.error());
   const std::int64_t snapshot = *newest + 1;
   if (auto status = StoreChunks(snapshot, bytes, stop); !status) return status;
-  auto insert = Statement::Prepare(*database_, "INSERT INTO snapshots VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7)");
+  auto insert = Statement::Prepare(*database_, "INSERT INTO snapshots VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)");
   if (!insert) return tl::make_unexpected(insert.error());
   insert->Bind(snapshot).Bind(position).Bind(atlas.version()).Bind(now_unix_ns);
   insert->Bind((bytes.size() + kChunkBytes - 1) / kChunkBytes).Bind(bytes.size()).Bind(Hash64(bytes));
-  if (auto status = insert->Run(); !status) return status;
-  if (auto status = RemoveReplaced(snapshot, position, stop); !status) return status;
-  return RemoveStalePayloads(atlas, stop);
+  return insert->Bind(static_cast<std::uint32_t>(kept)).Run();
 }
 
 Status SnapshotStore::LoadStoredPayloads() {
-  auto select = Statement::Prepare(*database_, "SELECT session, counter FROM keyframe_payloads");
+  auto select = Statement::Prepare(*database_, "SELECT session, counter, missing_since FROM keyframe_payloads");
   if (!select) return tl::make_unexpected(select.error());
   for (auto row = select->Step(); !row || *row; row = select->Step()) {
     if (!row) return tl::make_unexpected(row.error());
-    stored_payloads_.insert({select->Word(0), static_cast<std::uint32_t>(select->Word(1))});
+    const KeyframeId id{select->Word(0), static_cast<std::uint32_t>(select->Word(1))};
+    stored_payloads_.emplace(id, select->Word(2));
   }
   return {};
 }
@@ -97,7 +112,7 @@ Status SnapshotStore::StorePayloads(const Atlas& atlas, const std::stop_token& s
 Status SnapshotStore::StorePayloadBatch(const std::vector<const Keyframe*>& batch) {
   auto transaction = Transaction::Begin(*database_);
   if (!transaction) return tl::make_unexpected(transaction.error());
-  auto insert = Statement::Prepare(*database_, "INSERT OR IGNORE INTO keyframe_payloads VALUES(?1, ?2, ?3)");
+  auto insert = Statement::Prepare(*database_, "INSERT OR IGNORE INTO keyframe_payloads VALUES(?1, ?2, ?3, 0)");
   if (!insert) return tl::make_unexpected(insert.error());
   for (const Keyframe* keyframe : batch) {
     ByteWriter writer;
@@ -106,7 +121,7 @@ Status SnapshotStore::StorePayloadBatch(const std::vector<const Keyframe*>& batc
     if (auto status = insert->Run(); !status) return status;
   }
   if (auto status = transaction->Commit(); !status) return status;
-  for (const Keyframe* keyframe : batch) stored_payloads_.insert(keyframe->id);
+  for (const Keyframe* keyframe : batch) stored_payloads_.emplace(keyframe->id, 0);
   return {};
 }
 
@@ -122,27 +137,68 @@ Status SnapshotStore::StoreChunks(std::int64_t snapshot, std::span<const std::by
   return {};
 }
 
-Status SnapshotStore::RemoveReplaced(std::int64_t snapshot, std::uint64_t position, const std::stop_token& stop) {
-  const auto id = static_cast<std::uint64_t>(snapshot);
-  for (const char* table : {"envelopes", "server_edits"}) {
-    if (auto status = DeleteInSteps(*database_, DeleteSome(table, "rowid <= ?1"), position, stop); !status)
-      return status;
+Status SnapshotStore::ReleaseKept(const std::stop_token& stop) {
+  const auto kept = database_->Number("SELECT count(*) FROM snapshots WHERE kept");
+  if (!kept) return tl::make_unexpected(kept.error());
+  for (auto count = static_cast<std::uint64_t>(*kept); count > 0; --count) {
+    if (stop.stop_requested()) return Stopped();
+    const auto bytes = database_->Number(
+        "SELECT sum(length(edits)) FROM envelopes WHERE position > (SELECT min(position) FROM snapshots WHERE kept)");
+    if (!bytes) return tl::make_unexpected(bytes.error());
+    if (count <= retention_.snapshots && static_cast<std::uint64_t>(*bytes) <= retention_.journal_bytes) return {};
+    const Status released = database_->Execute(
+        "DELETE FROM snapshots WHERE id = (SELECT id FROM snapshots WHERE kept ORDER BY position, id LIMIT 1)");
+    if (!released) return released;
   }
-  if (auto status = DeleteInSteps(*database_, DeleteSome("snapshots", "id < ?1"), id, stop); !status) return status;
-  return DeleteInSteps(*database_, DeleteSome("snapshot_chunks", "snapshot < ?1"), id, stop);
+  return {};
 }
 
-Status SnapshotStore::RemoveStalePayloads(const Atlas& atlas, const std::stop_token& stop) {
+Result<std::uint64_t> SnapshotStore::Floor() {
+  return database_->Number("SELECT min(position) FROM snapshots").map([](std::int64_t position) {
+    return static_cast<std::uint64_t>(position);
+  });
+}
+
+Status SnapshotStore::RemoveReplaced(std::uint64_t position, const std::stop_token& stop) {
+  // An older snapshot goes before the journal that follows it: recovery never finds one with a gap after it.
+  const std::string replaced =
+      "(position < ?1 AND NOT kept) OR (position = ?1 AND NOT kept AND id < (SELECT max(id) FROM snapshots))";
+  if (auto status = DeleteInSteps(*database_, DeleteSome("snapshots", replaced), position, stop); !status) {
+    return status;
+  }
+  const auto floor = Floor();
+  if (!floor) return tl::make_unexpected(floor.error());
+  for (const char* table : {"envelopes", "server_edits"}) {
+    if (auto status = DeleteInSteps(*database_, DeleteSome(table, "rowid <= ?1"), *floor, stop); !status) {
+      return status;
+    }
+  }
+  const std::string orphaned = "snapshot NOT IN (SELECT id FROM snapshots) AND ?1 = ?1";
+  return DeleteInSteps(*database_, DeleteSome("snapshot_chunks", orphaned), 0, stop);
+}
+
+Status SnapshotStore::RemoveStalePayloads(const Atlas& atlas, std::uint64_t position, const std::stop_token& stop) {
+  const auto floor = Floor();
+  if (!floor) return tl::make_unexpected(floor.error());
+  auto mark = Statement::Prepare(*database_,
+                                 "UPDATE keyframe_payloads SET missing_since = ?3 WHERE session = ?1 AND counter = ?2");
+  if (!mark) return tl::make_unexpected(mark.error());
   auto remove = Statement::Prepare(*database_, "DELETE FROM keyframe_payloads WHERE session = ?1 AND counter = ?2");
   if (!remove) return tl::make_unexpected(remove.error());
-  for (auto id = stored_payloads_.begin(); id != stored_payloads_.end();) {
-    if (atlas.FindKeyframe(*id) != nullptr) {
-      ++id;
+  for (auto payload = stored_payloads_.begin(); payload != stored_payloads_.end();) {
+    if (stop.stop_requested()) return Stopped();
+    auto& [id, missing_since] = *payload;
+    const bool missing = atlas.FindKeyframe(id) == nullptr;
+    if (missing && (missing_since == 0 ? position : missing_since) <= *floor) {
+      if (auto status = remove->Bind(id.session).Bind(id.counter).Run(); !status) return status;
+      payload = stored_payloads_.erase(payload);
       continue;
     }
-    if (stop.stop_requested()) return Stopped();
-    if (auto status = remove->Bind(id->session).Bind(id->counter).Run(); !status) return status;
-    id = stored_payloads_.erase(id);
+    if (missing != (missing_since != 0)) {
+      missing_since = missing ? position : 0;
+      if (auto status = mark->Bind(id.session).Bind(id.counter).Bind(missing_since).Run(); !status) return status;
+    }
+    ++payload;
   }
   return {};
 }

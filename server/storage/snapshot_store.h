@@ -2,8 +2,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
-#include <set>
 #include <span>
 #include <stop_token>
 #include <utility>
@@ -15,30 +15,52 @@
 
 namespace pangaea {
 
+// How far back undo reaches: a snapshot from before each merge is kept, and the journal since the oldest of them.
+struct SnapshotRetention {
+  // Snapshots kept, the newest. Each costs about as much as 300 bytes a landmark and keyframe.
+  std::size_t snapshots = 4;
+  // Journal after the oldest of them, bytes: the older ones are given up when it grows beyond.
+  std::uint64_t journal_bytes = 512U << 20;
+};
+
 // Writes snapshots of the atlas beside a store that another thread appends to, over a connection of its own and in
 // short transactions, so that appending never waits for long. One thread at a time.
 class SnapshotStore {
  public:
   // `path` is a store that Store::Open made or checked.
-  static Result<SnapshotStore> Open(const std::filesystem::path& path, std::uint64_t max_bytes);
+  static Result<SnapshotStore> Open(const std::filesystem::path& path, std::uint64_t max_bytes,
+                                    const SnapshotRetention& retention = {});
 
   // Makes `atlas`, which is the state after all edits up to `position`, what recovery starts from, and removes what it
-  // replaces: journaled edits up to `position`, older snapshots, data of keyframes that are gone. Interrupted at any
-  // instant (by `stop`, an error, or the death of the process), the store stays as good as before.
+  // replaces and undo does not need: journaled edits up to `position`, older snapshots, data of keyframes that are
+  // gone. Interrupted at any instant (by `stop`, an error, or the death of the process), the store stays as good as
+  // before.
   Status Write(const Atlas& atlas, std::uint64_t position, std::int64_t now_unix_ns, const std::stop_token& stop);
+  // Keeps `atlas` beside it. Not after a Write of a later position: that one may have removed what is after this.
+  Status Keep(const Atlas& atlas, std::uint64_t position, std::int64_t now_unix_ns, const std::stop_token& stop);
 
  private:
-  explicit SnapshotStore(Database database) : database_(std::make_unique<Database>(std::move(database))) {}
+  SnapshotStore(Database database, const SnapshotRetention& retention)
+      : retention_(retention), database_(std::make_unique<Database>(std::move(database))) {}
 
   Status LoadStoredPayloads();
+  Status Insert(const Atlas& atlas, std::uint64_t position, bool kept, std::int64_t now_unix_ns,
+                const std::stop_token& stop);
   Status StorePayloads(const Atlas& atlas, const std::stop_token& stop);
   Status StorePayloadBatch(const std::vector<const Keyframe*>& batch);
   Status StoreChunks(std::int64_t snapshot, std::span<const std::byte> bytes, const std::stop_token& stop);
-  Status RemoveReplaced(std::int64_t snapshot, std::uint64_t position, const std::stop_token& stop);
-  Status RemoveStalePayloads(const Atlas& atlas, const std::stop_token& stop);
+  // Gives kept snapshots up, the oldest first, until the rest is within what is to be retained.
+  Status ReleaseKept(const std::stop_token& stop);
+  // Where the oldest snapshot stands: the journal before it serves nothing.
+  Result<std::uint64_t> Floor();
+  Status RemoveReplaced(std::uint64_t position, const std::stop_token& stop);
+  // Data that the newest snapshot does not need goes once no kept one needs it.
+  Status RemoveStalePayloads(const Atlas& atlas, std::uint64_t position, const std::stop_token& stop);
 
+  SnapshotRetention retention_;
   std::unique_ptr<Database> database_;
-  std::set<KeyframeId> stored_payloads_;
+  // Of each stored payload the position of the first snapshot without its keyframe; 0: the newest has it.
+  std::map<KeyframeId, std::uint64_t> stored_payloads_;
 };
 
 }  // namespace pangaea

@@ -31,7 +31,8 @@ Status CreateOrCheck(Database& database, const std::string& site) {
   if (!empty) return tl::make_unexpected(empty.error());
   if (*empty) return CreateSchema(database, site);
   if (auto status = CheckSchema(database); !status) return status;
-  return CheckSite(database, site);
+  if (auto status = CheckSite(database, site); !status) return status;
+  return UpgradeSchema(database);
 }
 
 // A row of the query in Store::Sessions().
@@ -136,7 +137,7 @@ Status Store::AppendEntries(const std::vector<JournalEntry>& entries) {
 
 Status Store::AppendServerEdits(const std::vector<ServerEdits>& server_edits) {
   if (server_edits.empty()) return {};
-  auto insert = Statement::Prepare(*database_, "INSERT INTO server_edits VALUES(?1, ?2, ?3, ?4)");
+  auto insert = Statement::Prepare(*database_, "INSERT INTO server_edits VALUES(?1, ?2, ?3, ?4, 0)");
   if (!insert) return tl::make_unexpected(insert.error());
   for (const auto& [position, cause, edits] : server_edits) {
     insert->Bind(position).Bind(std::string_view(cause)).Bind(kWireVersion).Bind(std::span(edits));

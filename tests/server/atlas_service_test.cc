@@ -157,6 +157,77 @@ TEST(AtlasService, AFullQueueMakesTheSenderWaitAndLosesNothing) {
   EXPECT_EQ(harness.WaitForAck(kAnna, 30).up_to, 30u);
 }
 
+EditsProposed Removing(LandmarkId landmark) {
+  return {{"tidying"}, [landmark](const Atlas&) { return std::vector<MapEdit>{RemoveLandmark{landmark}}; }};
+}
+
+TEST(AtlasService, EditsOfTheServersOwnAreDurableBeforeTheAnswerAndRecoveryReplaysThem) {
+  const TemporaryStore place;
+  ServiceHarness harness(place.path());
+  Flight flight(kAnna);
+  harness.Send(flight.Next());
+  const ProposalAnswer answer = harness.service->ProposeAndWait(Removing(L(1)));
+  ASSERT_TRUE(answer) << answer.error().message;
+  EXPECT_EQ(answer->cause.Text(), "tidying 2");
+  const RecoveredAtlas stored = Stored(place.path());
+  EXPECT_EQ(stored.position, 2u);
+  EXPECT_EQ(stored.atlas.FindLandmark(L(1)), nullptr);
+  EXPECT_EQ(Fingerprint(stored.atlas), Fingerprint(harness.service->State()->ingest.atlas));
+  harness.Send(flight.Next());
+  harness.WaitForAck(kAnna, 2);
+  EXPECT_EQ(Fingerprint(Stored(place.path()).atlas), Fingerprint(harness.service->State()->ingest.atlas));
+}
+
+TEST(AtlasService, EditsOfTheServersOwnWaitForRoomOnTheDiskLikeEverythingElse) {
+  const TemporaryStore place;
+  ServiceOptions options;
+  options.store.max_bytes = 1U << 20;
+  ServiceHarness harness(place.path(), options);
+  Flight flight(kAnna, {.keypoints = 500});
+  harness.Send(flight.Next());
+  harness.WaitForAck(kAnna, 1);
+  for (int i = 0; i < 100; ++i) harness.Send(flight.Next());
+  harness.WaitForEvent(AtlasEventKind::kStoreFailed);
+  const auto declined = harness.service->ProposeAndWait(Removing(L(1)));
+  ASSERT_FALSE(declined);
+  EXPECT_EQ(declined.error().code, ErrorCode::kUnavailable);
+  EXPECT_NE(harness.service->State()->ingest.atlas.FindLandmark(L(1)), nullptr);
+  harness.service->SetStoreQuota(0);
+  harness.service->Tick();
+  EXPECT_TRUE(harness.service->ProposeAndWait(Removing(L(1))));
+}
+
+TEST(AtlasService, AfterItStoppedNothingIsProposed) {
+  const TemporaryStore place;
+  ServiceHarness harness(place.path());
+  harness.service->Stop();
+  const auto answer = harness.service->ProposeAndWait(Removing(L(1)));
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().code, ErrorCode::kUnavailable);
+}
+
+TEST(AtlasService, ASnapshotFromBeforeAChangeThatMayBeUndoneIsKept) {
+  const TemporaryStore place;
+  ServiceHarness harness(place.path(), {.snapshot_envelopes = 2});
+  Flight flight(kAnna);
+  std::uint64_t sequence = 0;
+  harness.Send(flight.Next());
+  harness.WaitForAck(kAnna, ++sequence);
+  EditsProposed proposal = Removing(L(1));
+  proposal.keep_before = true;
+  ASSERT_TRUE(harness.service->ProposeAndWait(std::move(proposal)));
+  while (harness.service->LastSnapshot().position < 4) {
+    harness.Send(flight.Next());
+    harness.WaitForAck(kAnna, ++sequence);
+  }
+  harness.service->Stop();
+  EXPECT_EQ(harness.service->LastSnapshot().error, "");
+  Store store = Store::OpenReadOnly(place.path()).value();
+  EXPECT_EQ(store.database().Number("SELECT position FROM snapshots WHERE kept").value(), 1);
+  EXPECT_EQ(store.database().Number("SELECT min(position) FROM server_edits").value(), 2);
+  EXPECT_EQ(Fingerprint(Stored(place.path()).atlas), Fingerprint(harness.service->State()->ingest.atlas));
+}
+
 TEST(AtlasService, OptionsOutOfRangeAreRefused) {
   const TemporaryStore place;
   EXPECT_FALSE(AtlasService::Open(place.path(), "hall", {.queue_capacity = 0}));

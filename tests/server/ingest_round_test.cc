@@ -36,6 +36,11 @@ class Ingest {
     round.Take(WriterLost{writer});
     return Adopt(std::move(round));
   }
+  IngestOutcome Propose(EditsProposed proposal) {
+    IngestRound round(state_, {}, 1234);
+    round.Take(std::move(proposal));
+    return Adopt(std::move(round));
+  }
   // Expects that the next envelope of the flight, with `edits` or spoiled, is rejected whole, and that the flight goes
   // on after it.
   void ExpectRejected(Flight& flight, const Envelope& envelope, RejectionReason reason) {
@@ -326,6 +331,80 @@ TEST(IngestRound, RecordsThatWereNotSavedAreSavedWithTheNextRound) {
   const IngestOutcome outcome = std::move(round).Finish({kAnna});
   ASSERT_EQ(outcome.batch.sessions.size(), 1u);
   EXPECT_EQ(outcome.batch.sessions[0].announcement.session, kAnna);
+}
+
+EditsProposed Proposing(std::vector<MapEdit> edits) {
+  return {{"tidying"}, [edits = std::move(edits)](const Atlas&) { return edits; }};
+}
+
+TEST(IngestRound, EditsOfTheServersOwnStandInTheJournalAmongTheEnvelopesWithTheirCause) {
+  Ingest ingest;
+  Flight flight(kAnna);
+  IngestRound round(ingest.state(), {}, 1234);
+  round.Take(EnvelopeArrived{flight.Next(), kAgent});
+  round.Take(Proposing({RemoveLandmark{L(1)}}));
+  round.Take(EnvelopeArrived{flight.Next(), kAgent});
+  const IngestOutcome outcome = std::move(round).Finish();
+  ASSERT_EQ(outcome.batch.server_edits.size(), 1u);
+  EXPECT_EQ(outcome.batch.server_edits[0].position, 2u);
+  EXPECT_EQ(outcome.batch.server_edits[0].cause, "tidying 2");
+  EXPECT_EQ(outcome.batch.entries.at(1).position, 3u);
+  ASSERT_TRUE(outcome.answers.at(0));
+  EXPECT_EQ(outcome.answers[0]->position, 2u);
+  EXPECT_EQ(outcome.state.atlas.FindLandmark(L(1)), nullptr);
+}
+
+TEST(IngestRound, EditsOfTheServersOwnAreMadeFromTheAtlasAsItIsThen) {
+  Ingest ingest;
+  Flight flight(kAnna);
+  IngestRound round(ingest.state(), {}, 1234);
+  round.Take(EnvelopeArrived{flight.Next(), kAgent});
+  std::size_t keyframes = 0;
+  const auto look = [&keyframes](const Atlas& atlas) {
+    keyframes = atlas.keyframe_count();
+    return std::vector<MapEdit>();
+  };
+  round.Take(EditsProposed{{"merge"}, look});
+  const IngestOutcome outcome = std::move(round).Finish();
+  EXPECT_EQ(keyframes, 1u);
+  EXPECT_TRUE(outcome.batch.server_edits.empty());
+  ASSERT_TRUE(outcome.answers.at(0));
+  EXPECT_EQ(outcome.answers[0]->position, 0u);
+}
+
+TEST(IngestRound, EditsOfTheServersOwnOfWhichOneDoesNotFitChangeNothing) {
+  Ingest ingest;
+  Flight flight(kAnna);
+  ingest.Take({flight.Next()});
+  const IngestOutcome outcome = ingest.Propose(Proposing({RemoveLandmark{L(1)}, RemoveKeyframe{K(9000)}}));
+  ASSERT_FALSE(outcome.answers.at(0));
+  EXPECT_EQ(outcome.answers[0].error().code, ErrorCode::kRefused);
+  EXPECT_TRUE(outcome.batch.empty());
+  EXPECT_EQ(Fingerprint(ingest.state().atlas), Fingerprint(flight.atlas()));
+}
+
+TEST(IngestRound, EditsThatMayBeUndoneCarryTheAtlasBeforeThemAndTheirEventNamesTheCause) {
+  Ingest ingest;
+  Flight flight(kAnna);
+  ingest.Take({flight.Next()});
+  EditsProposed proposal = Proposing({RemoveLandmark{L(1)}});
+  proposal.keep_before = true;
+  proposal.event = AtlasEvent{{}, AtlasEventKind::kCulled, "1 landmark", 0, 0};
+  const IngestOutcome outcome = ingest.Propose(std::move(proposal));
+  ASSERT_EQ(outcome.kept.size(), 1u);
+  EXPECT_EQ(outcome.kept[0].position, 1u);
+  EXPECT_EQ(Fingerprint(outcome.kept[0].atlas), Fingerprint(flight.atlas()));
+  ASSERT_EQ(outcome.events.size(), 1u);
+  EXPECT_EQ(outcome.events[0].text, "tidying 2: 1 landmark");
+}
+
+TEST(IngestRound, WhatBelongsToAnEarlierCauseCarriesItsNumber) {
+  Ingest ingest;
+  Flight flight(kAnna);
+  ingest.Take({flight.Next(), flight.Next()});
+  EditsProposed proposal = Proposing({RemoveLandmark{L(1)}});
+  proposal.cause.number = 1;
+  EXPECT_EQ(ingest.Propose(std::move(proposal)).batch.server_edits.at(0).cause, "tidying 1");
 }
 
 }  // namespace

@@ -23,7 +23,10 @@ class JournaledFlight {
     ASSERT_TRUE(store.Append({{{++position, flight.NextWith(edits)}}, {}, {}, {}}));
   }
   Status Snapshot(const Atlas& atlas, std::stop_token stop = {}) {
-    return SnapshotStore::Open(place.path(), 0).value().Write(atlas, position, 1, stop);
+    return SnapshotStore::Open(place.path(), 0, retention).value().Write(atlas, position, 1, stop);
+  }
+  Status Keep(const Atlas& atlas) {
+    return SnapshotStore::Open(place.path(), 0, retention).value().Keep(atlas, position, 1, {});
   }
   std::int64_t Count(const char* table) {
     return store.database().Number((std::string("SELECT count(*) FROM ") + table).c_str()).value();
@@ -40,6 +43,7 @@ class JournaledFlight {
   Store store;
   Flight flight{kAnna};
   std::uint64_t position = 0;
+  SnapshotRetention retention;
 };
 
 TEST(Recovery, AnEmptyStoreGivesAnEmptyAtlas) {
@@ -116,6 +120,65 @@ TEST(Recovery, DataOfCulledKeyframesIsRemovedWithTheNextSnapshot) {
   ASSERT_TRUE(journaled.Snapshot(before.atlas));
   EXPECT_EQ(journaled.Count("keyframe_payloads"), 4);
   EXPECT_EQ(Fingerprint(journaled.Recover().atlas), Fingerprint(before.atlas));
+}
+
+TEST(Recovery, TheJournalSinceTheOldestKeptSnapshotStays) {
+  JournaledFlight journaled;
+  journaled.Fly(10);
+  ASSERT_TRUE(journaled.Keep(journaled.flight.atlas()));
+  journaled.Fly(5);
+  ASSERT_TRUE(journaled.Snapshot(journaled.flight.atlas()));
+  EXPECT_EQ(journaled.Count("envelopes"), 5);
+  EXPECT_EQ(journaled.Count("snapshots"), 2);
+  const RecoveredAtlas recovered = journaled.Recover();
+  EXPECT_EQ(recovered.snapshot_position, 15u) << "recovery takes the newest";
+  EXPECT_EQ(Fingerprint(recovered.atlas), Fingerprint(journaled.flight.atlas()));
+}
+
+TEST(Recovery, OfKeptSnapshotsTheNewestStayAndNoMoreJournalThanIsWanted) {
+  JournaledFlight journaled;
+  journaled.retention.snapshots = 2;
+  for (int i = 0; i < 3; ++i) {
+    journaled.Fly(5);
+    ASSERT_TRUE(journaled.Keep(journaled.flight.atlas()));
+  }
+  journaled.Fly(5);
+  ASSERT_TRUE(journaled.Snapshot(journaled.flight.atlas()));
+  EXPECT_EQ(journaled.Count("snapshots WHERE kept"), 2);
+  EXPECT_EQ(journaled.Count("envelopes"), 10) << "those after the older of the two";
+  journaled.retention.journal_bytes = 1;
+  ASSERT_TRUE(journaled.Snapshot(journaled.flight.atlas()));
+  EXPECT_EQ(journaled.Count("snapshots"), 1);
+  EXPECT_EQ(journaled.Count("envelopes"), 0);
+  EXPECT_EQ(Fingerprint(journaled.Recover().atlas), Fingerprint(journaled.flight.atlas()));
+}
+
+TEST(Recovery, DataOfCulledKeyframesStaysAsLongAsAKeptSnapshotHasThem) {
+  JournaledFlight journaled;
+  journaled.Fly(5);
+  ASSERT_TRUE(journaled.Keep(journaled.flight.atlas()));
+  journaled.Append({RemoveKeyframe{K(5)}});
+  const Atlas culled = journaled.Recover().atlas;
+  ASSERT_TRUE(journaled.Snapshot(culled));
+  EXPECT_EQ(journaled.Count("keyframe_payloads"), 5);
+  journaled.retention.snapshots = 0;
+  ASSERT_TRUE(journaled.Snapshot(culled));
+  EXPECT_EQ(journaled.Count("keyframe_payloads"), 4);
+}
+
+TEST(Recovery, AStoreOfTheFirstSchemaIsReadAndUpgradedWhenAServerOpensIt) {
+  auto journaled = std::make_unique<JournaledFlight>();
+  journaled->Fly(5);
+  ASSERT_TRUE(journaled->store.database().Execute(R"(
+    DROP TABLE separations; ALTER TABLE snapshots DROP COLUMN kept; ALTER TABLE server_edits DROP COLUMN undone;
+    ALTER TABLE keyframe_payloads DROP COLUMN missing_since; PRAGMA user_version=1)"));
+  EXPECT_EQ(Fingerprint(journaled->Recover().atlas), Fingerprint(journaled->flight.atlas()));
+  const std::filesystem::path path = journaled->place.path();
+  journaled->store = Store::Open(path.parent_path() / "other.db", "hall", {}).value();
+  const auto upgraded = Store::Open(path, "hall", {});
+  ASSERT_TRUE(upgraded) << upgraded.error().message;
+  EXPECT_TRUE(journaled->Snapshot(journaled->flight.atlas()));
+  EXPECT_EQ(Fingerprint(journaled->Recover().atlas), Fingerprint(journaled->flight.atlas()));
 }
 
 void ExpectCorrupt(JournaledFlight& journaled, const char* sql) {
