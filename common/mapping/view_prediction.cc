@@ -33,14 +33,14 @@ NearestObservation FindNearestObservation(const Atlas& atlas, const Landmark& la
   return best;
 }
 
+}  // namespace
+
 // A patch's size in the image falls with the distance, and octave o sees it reduced by kOctaveScale^o.
 int PredictOctave(int octave, double distance, double new_distance) {
   static const double kLogScale = std::log(kOctaveScale);
   const double predicted = octave + std::log(distance / new_distance) / kLogScale;
   return static_cast<int>(std::lround(std::clamp(predicted, -1.0, static_cast<double>(kOctaves))));
 }
-
-}  // namespace
 
 std::optional<PredictedView> PredictView(const Atlas& atlas, const Landmark& landmark, const Viewpoint& viewpoint,
                                          double max_view_angle) {

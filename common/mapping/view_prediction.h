@@ -33,4 +33,8 @@ struct PredictedView {
 std::optional<PredictedView> PredictView(const Atlas& atlas, const Landmark& landmark, const Viewpoint& viewpoint,
                                          double max_view_angle);
 
+// On which octave a patch has the size that it had on `octave` at `distance`, seen from `new_distance`. One step
+// outside of the octaves where it is out of their range.
+int PredictOctave(int octave, double distance, double new_distance);
+
 }  // namespace pangaea
