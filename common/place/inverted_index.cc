@@ -65,6 +65,14 @@ const BagOfWords* InvertedIndex::Find(const KeyframeId& keyframe) const {
   return found == slots_.end() ? nullptr : &documents_[found->second].bag;
 }
 
+std::vector<KeyframeId> InvertedIndex::Keyframes() const {
+  std::vector<KeyframeId> keyframes;
+  keyframes.reserve(slots_.size());
+  for (const auto& [keyframe, slot] : slots_) keyframes.push_back(keyframe);
+  std::ranges::sort(keyframes);
+  return keyframes;
+}
+
 PlaceCandidates InvertedIndex::Query(const BagOfWords& bag, const PlaceQueryOptions& options,
                                      const Admits& admits) const {
   PlaceCandidates answer;

@@ -50,6 +50,7 @@ class InvertedIndex {
   // False where it was not in the index.
   bool Remove(const KeyframeId& keyframe);
   std::size_t size() const { return slots_.size(); }
+  std::vector<KeyframeId> Keyframes() const;  // ascending
   // nullptr where the keyframe is not in the index. Valid until the next Add or Remove.
   const BagOfWords* Find(const KeyframeId& keyframe) const;
 

@@ -1,0 +1,85 @@
+#include "server/place_recognition/place_agreement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+#include <utility>
+
+#include "common/map/covisibility.h"
+#include "server/place_recognition/guided_matching.h"
+#include "server/place_recognition/place_view.h"
+
+namespace pangaea {
+namespace {
+
+// A camera at an assumed pose in the candidate's map.
+struct AssumedPose {
+  Similarity3d map_from_camera;
+  Eigen::Vector3d axis_in_map;
+};
+
+// The keyframes that look most nearly the same way from most nearly the same position, best first.
+std::vector<KeyframeId> Lookalikes(const Atlas& atlas, std::span<const KeyframeId> window, const AssumedPose& pose,
+                                   const PlaceAgreementOptions& options) {
+  const double min_cosine = std::cos(options.max_axis_angle * std::numbers::pi / 180.0);
+  std::vector<std::pair<double, KeyframeId>> ranked;
+  for (const KeyframeId id : window) {
+    const Rigid3d map_from_camera = atlas.FindKeyframe(id)->camera_from_map.Inverse();
+    const double cosine = pose.axis_in_map.dot(map_from_camera.rotation() * Eigen::Vector3d::UnitZ());
+    if (cosine < min_cosine) continue;
+    const double distance = (map_from_camera.translation() - pose.map_from_camera.translation()).norm();
+    ranked.emplace_back(distance * (2.0 - cosine), id);
+  }
+  const std::size_t count = std::min(options.lookalikes, ranked.size());
+  std::ranges::partial_sort(ranked, ranked.begin() + static_cast<std::ptrdiff_t>(count));
+  std::vector<KeyframeId> best;
+  for (std::size_t i = 0; i < count; ++i) best.push_back(ranked[i].second);
+  return best;
+}
+
+PlaceVote VoteOf(const PlaceWitness& witness, const PlaceAgreementOptions& options) {
+  const double visible = static_cast<double>(witness.visible);
+  const double found = static_cast<double>(witness.found);
+  if (witness.found >= options.min_matches && found >= options.min_share * visible) return PlaceVote::kYes;
+  if (witness.visible >= options.min_visible && found < options.contradicting_share * visible) return PlaceVote::kNo;
+  return PlaceVote::kNothing;
+}
+
+PlaceWitness Ask(const Atlas& atlas, const Keyframe& asked, std::span<const KeyframeId> window, const AssumedPose& pose,
+                 const PlaceRecognitionOptions& options) {
+  PlaceWitness witness{.keyframe = asked.id};
+  const std::vector<KeyframeId> lookalikes = Lookalikes(atlas, window, pose, options.agreement);
+  if (lookalikes.empty()) return witness;
+  const PlaceView place = MakePlaceView(atlas, lookalikes);
+  const Similarity3d map_from_center(atlas.FindKeyframe(lookalikes.front())->camera_from_map.Inverse());
+  const FeatureGrid grid(asked.data->features.keypoints);
+  const GuidedSearch search = SearchInImage(place, *asked.data, grid, pose.map_from_camera.Inverse() * map_from_center,
+                                            options.agreement.radius, options.geometry);
+  witness.visible = search.visible;
+  witness.found = search.matches.size();
+  witness.vote = VoteOf(witness, options.agreement);
+  return witness;
+}
+
+}  // namespace
+
+std::vector<PlaceWitness> AskCovisibleKeyframes(const Atlas& atlas, const Keyframe& query, const Keyframe& candidate,
+                                                const Similarity3d& candidate_from_query,
+                                                const PlaceRecognitionOptions& options) {
+  const std::vector<KeyframeId> window = GrowWindow(atlas, candidate.id, options.agreement.window);
+  const Similarity3d map_from_query = Similarity3d(candidate.camera_from_map.Inverse()) * candidate_from_query;
+  std::vector<Covisibility> best = CovisibleKeyframes(atlas, query.id);
+  if (best.size() > options.agreement.covisible) best.resize(options.agreement.covisible);
+  std::vector<PlaceWitness> witnesses;
+  for (const Covisibility& edge : best) {
+    const Keyframe& asked = *atlas.FindKeyframe(edge.keyframe);
+    const Rigid3d query_from_asked = query.camera_from_map * asked.camera_from_map.Inverse();
+    const Similarity3d map_from_asked = map_from_query * Similarity3d(query_from_asked);
+    const Eigen::Vector3d axis = map_from_asked.rotation() * Eigen::Vector3d::UnitZ();
+    witnesses.push_back(Ask(atlas, asked, window, {map_from_asked, axis}, options));
+  }
+  return witnesses;
+}
+
+}  // namespace pangaea

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "common/base/stage_recorder.h"
+#include "common/map/atlas.h"
+#include "common/place/inverted_index.h"
+#include "server/place_recognition/place_recognition_options.h"
+#include "server/place_recognition/place_report.h"
+#include "server/place_recognition/place_view.h"
+
+namespace pangaea {
+
+// A motion to a place that was verified for one keyframe and that too few others could confirm yet.
+struct PlaceHypothesis {
+  KeyframeId query;
+  KeyframeId candidate;
+  Similarity3d candidate_from_query;
+  std::vector<KeyframeId> agreeing;  // the query included
+  std::size_t age = 0;               // keyframes of the query's map that were asked since
+};
+
+struct PlaceVerdict {
+  PlaceTrial trial;
+  std::optional<PlaceMatch> match;   // where the geometry was verified; recognised only if the outcome says so
+  std::vector<KeyframeId> agreeing;  // keyframes that confirm the match, the query included
+};
+
+// Compares one keyframe with others that may show the same place. Lives as long as one query: refers to the atlas, the
+// keyframe, the options and the recorder.
+class PlaceVerification {
+ public:
+  PlaceVerification(const Atlas& atlas, const Keyframe& query, const PlaceRecognitionOptions& options,
+                    StageRecorder& stages);
+
+  // Whether the query sees enough landmarks to be compared at all.
+  bool possible() const { return view_.central >= options_.geometry.min_matches; }
+  // Without an idea of the motion. The candidate is alive.
+  PlaceVerdict Compare(const PlaceCandidate& candidate) const;
+  // With the motion that an earlier keyframe found. Both of its keyframes are alive, that one in the query's map.
+  PlaceVerdict Confirm(const PlaceHypothesis& hypothesis) const;
+
+ private:
+  void Finish(const PlaceView& candidate, const PlaceAlignment& alignment, PlaceVerdict& verdict) const;
+  PlaceMatch MakeMatch(const PlaceView& candidate, const PlaceAlignment& alignment, const PlaceTrial& trial) const;
+
+  const Atlas& atlas_;
+  const Keyframe& query_;
+  const PlaceRecognitionOptions& options_;
+  StageRecorder& stages_;
+  PlaceView view_;  // of the query
+};
+
+}  // namespace pangaea
