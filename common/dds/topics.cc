@@ -65,6 +65,49 @@ struct Idl<AtlasEvent> {
     return {.site = sample.site == nullptr ? "" : sample.site, .text = {}};
   }
 };
+template <>
+struct Idl<CorrectionPart> {
+  using Sample = pangaea_wire_CorrectionPart;
+  static constexpr TopicDescription kTopic{"pangaea_corrections", &pangaea_wire_CorrectionPart_desc, true, false,
+                                           kKeepAll};
+  static CorrectionPart Key(const Sample& sample) {
+    CorrectionPart value;
+    value.session = sample.session;
+    return value;
+  }
+};
+template <>
+struct Idl<MapInterest> {
+  using Sample = pangaea_wire_MapInterest;
+  static constexpr TopicDescription kTopic{"pangaea_map_interest", &pangaea_wire_MapInterest_desc, true, true, 1};
+  static MapInterest Key(const Sample& sample) {
+    MapInterest value;
+    value.session = sample.session;
+    return value;
+  }
+};
+template <>
+struct Idl<RelocalizationRequest> {
+  using Sample = pangaea_wire_RelocalizationRequest;
+  static constexpr TopicDescription kTopic{"pangaea_relocalization_requests", &pangaea_wire_RelocalizationRequest_desc,
+                                           true, false, kKeepAll};
+  static RelocalizationRequest Key(const Sample& sample) {
+    RelocalizationRequest value;
+    value.session = sample.session;
+    return value;
+  }
+};
+template <>
+struct Idl<RelocalizationAnswer> {
+  using Sample = pangaea_wire_RelocalizationAnswer;
+  static constexpr TopicDescription kTopic{"pangaea_relocalization_answers", &pangaea_wire_RelocalizationAnswer_desc,
+                                           true, false, kKeepAll};
+  static RelocalizationAnswer Key(const Sample& sample) {
+    RelocalizationAnswer value;
+    value.session = sample.session;
+    return value;
+  }
+};
 
 }  // namespace
 
@@ -78,6 +121,14 @@ std::int32_t TopicTraits<Value>::Write(std::int32_t writer, const Value& value) 
   if constexpr (std::is_same_v<Value, EditAck>) {
     std::vector<pangaea_wire_Rejection> rejections;
     const auto sample = BorrowAsIdl(value, rejections);
+    return dds_write(writer, &sample);
+  } else if constexpr (std::is_same_v<Value, MapInterest>) {
+    std::vector<pangaea_wire_ItemId> guests;
+    const auto sample = BorrowAsIdl(value, guests);
+    return dds_write(writer, &sample);
+  } else if constexpr (std::is_same_v<Value, RelocalizationRequest>) {
+    std::vector<std::byte> octets;
+    const auto sample = BorrowAsIdl(value, octets);
     return dds_write(writer, &sample);
   } else {
     const auto sample = BorrowAsIdl(value);
@@ -101,5 +152,9 @@ template struct TopicTraits<EditAck>;
 template struct TopicTraits<AgentState>;
 template struct TopicTraits<AtlasStatus>;
 template struct TopicTraits<AtlasEvent>;
+template struct TopicTraits<CorrectionPart>;
+template struct TopicTraits<MapInterest>;
+template struct TopicTraits<RelocalizationRequest>;
+template struct TopicTraits<RelocalizationAnswer>;
 
 }  // namespace pangaea

@@ -3,11 +3,14 @@
 #include <cstdint>
 
 #include "common/base/result.h"
+#include "common/wire/agent_correction.h"
 #include "common/wire/agent_state.h"
 #include "common/wire/atlas_event.h"
 #include "common/wire/atlas_status.h"
 #include "common/wire/edit_ack.h"
 #include "common/wire/envelope.h"
+#include "common/wire/map_interest.h"
+#include "common/wire/relocalization.h"
 #include "common/wire/session_announcement.h"
 
 namespace pangaea {
@@ -38,5 +41,9 @@ extern template struct TopicTraits<EditAck>;
 extern template struct TopicTraits<AgentState>;
 extern template struct TopicTraits<AtlasStatus>;
 extern template struct TopicTraits<AtlasEvent>;
+extern template struct TopicTraits<CorrectionPart>;
+extern template struct TopicTraits<MapInterest>;
+extern template struct TopicTraits<RelocalizationRequest>;
+extern template struct TopicTraits<RelocalizationAnswer>;
 
 }  // namespace pangaea

@@ -44,6 +44,12 @@ struct Keyframe {
   // Shared and const: a snapshot handed to a reader stays valid after the owner culls the keyframe.
   std::shared_ptr<const KeyframeData> data;
   Rigid3d camera_from_map;
+  // The newest correction of the server that placed it (the position of its edit in the journal); 0: none did. From the
+  // first one on the server alone moves it: moves of its agent that are still under way change nothing.
+  std::uint64_t corrected_at = 0;
+  // By how much corrections have multiplied the lengths around it since its agent measured them. Other than 1 only
+  // where a map without scale got one, or its scale drifted.
+  double scale = 1.0;
   KeyframeId parent;                 // in the spanning tree; none for the root of a map
   std::vector<KeyframeId> children;  // in the spanning tree, ascending
   // The landmark each keypoint observes; none where it observes none. As long as data->features.keypoints.

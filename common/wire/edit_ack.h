@@ -33,6 +33,10 @@ struct EditAck {
   std::uint64_t up_to = 0;
   std::uint64_t server_incarnation = 0;  // another number: another run of the server. Never 0.
   std::vector<Rejection> rejections;     // of sequences since the previous ack; may repeat
+  // The newest correction there is for the session: sent, or about to be. 0 before any.
+  std::uint64_t correction_version = 0;
+  // The server is still at work on something that may correct the session. When that ends it acknowledges once more.
+  bool working = false;
   bool operator==(const EditAck&) const = default;
 };
 

@@ -21,6 +21,20 @@ Result<std::string> ReadText(const char* text, const char* what, std::size_t lim
   return std::string(view);
 }
 
+Result<IdealCamera> ReadCamera(const pangaea_wire_Camera& sample) {
+  const IdealCamera camera{sample.width,    sample.height,   sample.focal_x, sample.focal_y,
+                           sample.center_x, sample.center_y, sample.baseline};
+  const auto is_side = [](int side) { return side > 0 && side <= kMaxImageSide; };
+  const auto is_length = [](double value) { return std::isfinite(value) && value > 0.0 && value < kMaxLength; };
+  const bool sound = is_side(camera.width) && is_side(camera.height) && is_length(camera.focal_x) &&
+                     is_length(camera.focal_y) && std::isfinite(camera.center_x) && std::isfinite(camera.center_y) &&
+                     (camera.baseline == 0.0 || is_length(camera.baseline));
+  if (!sound) return Fail(ErrorCode::kInvalidArgument, "the ideal camera is none");
+  return camera;
+}
+
+}  // namespace
+
 pangaea_wire_RigidPose ToIdl(const Rigid3d& pose) {
   pangaea_wire_RigidPose sample;
   for (int i = 0; i < 4; ++i) sample.rotation[i] = pose.rotation().coeffs()[i];
@@ -37,20 +51,6 @@ Result<Rigid3d> ReadPose(const pangaea_wire_RigidPose& sample, const char* what)
   if (!sound) return Fail(ErrorCode::kInvalidArgument, std::string(what) + " is no rigid motion");
   return Rigid3d(Eigen::Quaterniond(Eigen::Vector4d(rotation)), translation);
 }
-
-Result<IdealCamera> ReadCamera(const pangaea_wire_Camera& sample) {
-  const IdealCamera camera{sample.width,    sample.height,   sample.focal_x, sample.focal_y,
-                           sample.center_x, sample.center_y, sample.baseline};
-  const auto is_side = [](int side) { return side > 0 && side <= kMaxImageSide; };
-  const auto is_length = [](double value) { return std::isfinite(value) && value > 0.0 && value < kMaxLength; };
-  const bool sound = is_side(camera.width) && is_side(camera.height) && is_length(camera.focal_x) &&
-                     is_length(camera.focal_y) && std::isfinite(camera.center_x) && std::isfinite(camera.center_y) &&
-                     (camera.baseline == 0.0 || is_length(camera.baseline));
-  if (!sound) return Fail(ErrorCode::kInvalidArgument, "the ideal camera is none");
-  return camera;
-}
-
-}  // namespace
 
 pangaea_wire_SessionInfo BorrowAsIdl(const SessionAnnouncement& value) {
   const IdealCamera& camera = value.ideal_camera;
@@ -129,6 +129,8 @@ pangaea_wire_EditAck BorrowAsIdl(const EditAck& value, std::vector<pangaea_wire_
   sample.up_to = value.up_to;
   sample.server_incarnation = value.server_incarnation;
   sample.rejections = {._maximum = size, ._length = size, ._buffer = rejections.data(), ._release = false};
+  sample.correction_version = value.correction_version;
+  sample.working = value.working;
   return sample;
 }
 
@@ -136,7 +138,7 @@ Result<EditAck> FromIdl(const pangaea_wire_EditAck& sample) {
   if (sample.rejections._length > kMaxRejections) {
     return Fail(ErrorCode::kInvalidArgument, "an ack with more than " + std::to_string(kMaxRejections) + " rejections");
   }
-  EditAck ack{sample.session, sample.up_to, sample.server_incarnation, {}};
+  EditAck ack{sample.session, sample.up_to, sample.server_incarnation, {}, sample.correction_version, sample.working};
   for (std::uint32_t i = 0; i < sample.rejections._length; ++i) {
     const pangaea_wire_Rejection& rejection = sample.rejections._buffer[i];
     auto text = ReadText(rejection.text, "a rejection's text");

@@ -4,17 +4,23 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/wire/agent_correction.h"
 #include "common/wire/agent_state.h"
 #include "common/wire/atlas_event.h"
 #include "common/wire/atlas_status.h"
 #include "common/wire/edit_ack.h"
 #include "common/wire/envelope.h"
+#include "common/wire/map_interest.h"
+#include "common/wire/relocalization.h"
 #include "common/wire/session_announcement.h"
 #include "idl/agent_state.h"
 #include "idl/atlas_events.h"
 #include "idl/atlas_status.h"
+#include "idl/corrections.h"
 #include "idl/edit_acks.h"
 #include "idl/map_edits.h"
+#include "idl/map_interest.h"
+#include "idl/relocalization.h"
 #include "idl/session.h"
 
 namespace pangaea {
@@ -23,6 +29,8 @@ namespace pangaea {
 inline constexpr std::size_t kMaxWireText = 4096;
 inline constexpr std::size_t kMaxStatusBytes = 4U << 20U;
 inline constexpr std::size_t kMaxRejections = 1024;
+inline constexpr std::size_t kMaxGuests = 100'000;
+inline constexpr std::size_t kMaxFrameBytes = 1U << 20U;
 
 // The C structs borrow the octets and texts of the value: they are valid as long as it is, and are never freed.
 pangaea_wire_SessionInfo BorrowAsIdl(const SessionAnnouncement& value);
@@ -32,6 +40,11 @@ pangaea_wire_EditAck BorrowAsIdl(const EditAck& value, std::vector<pangaea_wire_
 pangaea_wire_AgentState BorrowAsIdl(const AgentState& value);
 pangaea_wire_AtlasStatus BorrowAsIdl(const AtlasStatus& value);
 pangaea_wire_AtlasEvent BorrowAsIdl(const AtlasEvent& value);
+pangaea_wire_CorrectionPart BorrowAsIdl(const CorrectionPart& value);
+// `guests` and `octets` hold what the result borrows.
+pangaea_wire_MapInterest BorrowAsIdl(const MapInterest& value, std::vector<pangaea_wire_ItemId>& guests);
+pangaea_wire_RelocalizationRequest BorrowAsIdl(const RelocalizationRequest& value, std::vector<std::byte>& octets);
+pangaea_wire_RelocalizationAnswer BorrowAsIdl(const RelocalizationAnswer& value);
 
 // kInvalidArgument for numbers no peer of ours would send. Null texts (of older peers) read as empty. An envelope's
 // contents are not judged here: CheckEnvelope does.
@@ -41,5 +54,12 @@ Result<EditAck> FromIdl(const pangaea_wire_EditAck& sample);
 Result<AgentState> FromIdl(const pangaea_wire_AgentState& sample);
 Result<AtlasStatus> FromIdl(const pangaea_wire_AtlasStatus& sample);
 Result<AtlasEvent> FromIdl(const pangaea_wire_AtlasEvent& sample);
+Result<CorrectionPart> FromIdl(const pangaea_wire_CorrectionPart& sample);
+Result<MapInterest> FromIdl(const pangaea_wire_MapInterest& sample);
+Result<RelocalizationRequest> FromIdl(const pangaea_wire_RelocalizationRequest& sample);
+Result<RelocalizationAnswer> FromIdl(const pangaea_wire_RelocalizationAnswer& sample);
+// Shared by the files that convert.
+pangaea_wire_RigidPose ToIdl(const Rigid3d& pose);
+Result<Rigid3d> ReadPose(const pangaea_wire_RigidPose& sample, const char* what);
 
 }  // namespace pangaea

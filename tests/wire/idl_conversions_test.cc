@@ -43,13 +43,56 @@ TEST(IdlConversions, ASessionComesBackAsItWas) {
 TEST(IdlConversions, EnvelopesAndAcksAndStatusAndEventsComeBackAsTheyWere) {
   const Envelope envelope = MakeEnvelope(5, 6, 7, {});
   EXPECT_EQ(FromIdl(BorrowAsIdl(envelope)).value(), envelope);
-  const EditAck ack{5, 6, 77, {{6, RejectionReason::kUnknownReference, "landmark 3 is unknown"}}};
+  const EditAck ack{5, 6, 77, {{6, RejectionReason::kUnknownReference, "landmark 3 is unknown"}}, 12, true};
   std::vector<pangaea_wire_Rejection> rejections;
   EXPECT_EQ(FromIdl(BorrowAsIdl(ack, rejections)).value(), ack);
   const AtlasStatus status{"hall", 8, 9, R"({"maps":[]})"};
   EXPECT_EQ(FromIdl(BorrowAsIdl(status)).value(), status);
   const AtlasEvent event{"hall", AtlasEventKind::kRejected, "wire version 9", 4, 10};
   EXPECT_EQ(FromIdl(BorrowAsIdl(event)).value(), event);
+}
+
+TEST(IdlConversions, CorrectionsAndInterestsAndRelocalizationsComeBackAsTheyWere) {
+  const CorrectionPart part{5, 77, 6, 7, 1, 3, 99, std::vector<std::byte>(2, std::byte{7})};
+  EXPECT_EQ(FromIdl(BorrowAsIdl(part)).value(), part);
+  const MapInterest interest{5, 6, {5, 1}, {5, 30}, {{4, 1}, {4, 2}}};
+  std::vector<pangaea_wire_ItemId> guests;
+  EXPECT_EQ(FromIdl(BorrowAsIdl(interest, guests)).value(), interest);
+  auto frame = std::make_shared<KeyframeData>();
+  frame->stamp_ns = 12;
+  frame->camera = SomeSession().ideal_camera;
+  for (int i = 0; i < 2; ++i) {
+    frame->features.keypoints.emplace_back();
+    frame->features.descriptors.emplace_back();
+  }
+  std::vector<std::byte> octets;
+  const auto request = FromIdl(BorrowAsIdl(RelocalizationRequest{5, 6, frame}, octets));
+  ASSERT_TRUE(request);
+  EXPECT_EQ(request->request, 6U);
+  EXPECT_EQ(request->frame->stamp_ns, 12);
+  EXPECT_EQ(request->frame->features.keypoints.size(), 2U);
+  const RelocalizationAnswer answer{5, 6, true, {4, 1}, {4, 9}, Rigid3d({1, 0, 0, 0}, {1, 2, 3}), 8};
+  const auto received = FromIdl(BorrowAsIdl(answer));
+  ASSERT_TRUE(received);
+  EXPECT_TRUE(received->found);
+  EXPECT_EQ(received->reference, answer.reference);
+  EXPECT_EQ(received->camera_from_reference.translation(), answer.camera_from_reference.translation());
+  EXPECT_EQ(received->correction_version, 8U);
+}
+
+TEST(IdlConversions, ImpossibleCorrectionsAndRequestsAreRefused) {
+  CorrectionPart part{5, 77, 6, 7, 3, 3, 99, {}};
+  EXPECT_FALSE(FromIdl(BorrowAsIdl(part)));  // of three parts the fourth
+  part = {5, 77, 6, 7, 0, 1, 99, std::vector<std::byte>(kMaxCorrectionPartBytes + 1)};
+  EXPECT_FALSE(FromIdl(BorrowAsIdl(part)));
+  std::vector<pangaea_wire_ItemId> guests;
+  EXPECT_FALSE(FromIdl(BorrowAsIdl(MapInterest{5, 6, {5, 1}, {5, 30}, {{4, 0}}}, guests)));
+  std::vector<std::byte> octets;
+  EXPECT_FALSE(FromIdl(BorrowAsIdl(RelocalizationRequest{5, 6, nullptr}, octets)));
+  RelocalizationAnswer answer{5, 6, true, {4, 1}, {}, Rigid3d(), 8};
+  EXPECT_FALSE(FromIdl(BorrowAsIdl(answer)));
+  answer.found = false;
+  EXPECT_TRUE(FromIdl(BorrowAsIdl(answer)));
 }
 
 TEST(IdlConversions, AnAgentStateKeepsItsSimilarity) {

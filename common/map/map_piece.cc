@@ -1,0 +1,93 @@
+#include "common/map/map_piece.h"
+
+#include <algorithm>
+#include <unordered_set>
+#include <utility>
+
+namespace pangaea {
+namespace {
+
+template <typename T>
+void SortUnique(std::vector<T>& values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
+std::vector<PieceKeyframe> CutKeyframes(const Atlas& atlas, const PieceSelection& selection) {
+  std::vector<KeyframeId> ids = selection.keyframes;
+  SortUnique(ids);
+  std::vector<PieceKeyframe> keyframes;
+  for (const KeyframeId id : ids) {
+    const Keyframe* keyframe = atlas.FindKeyframe(id);
+    if (keyframe == nullptr || keyframe->map != selection.map) continue;
+    keyframes.push_back({id, keyframe->camera_from_map, keyframe->corrected_at, keyframe->scale,
+                         selection.held.contains(id) ? nullptr : keyframe->data});
+  }
+  return keyframes;
+}
+
+PieceLandmark CutLandmark(const Landmark& landmark, const std::unordered_set<KeyframeId>& listed) {
+  PieceLandmark cut{landmark.id, landmark.point_in_map, {}, {}};
+  for (const Observation& observation : landmark.observations) {
+    if (!listed.contains(observation.keyframe)) continue;
+    cut.observations.push_back(observation);
+    if (observation.keyframe == landmark.reference) cut.reference = landmark.reference;
+  }
+  // The true one is not of the piece: any observer will do, the position is absolute.
+  if (!cut.reference.valid() && !cut.observations.empty()) cut.reference = cut.observations.front().keyframe;
+  return cut;
+}
+
+}  // namespace
+
+bool MapPiece::empty() const {
+  return keyframes.empty() && landmarks.empty() && fused.empty() && removed.empty() && culled.empty();
+}
+
+MapPiece CutPiece(const Atlas& atlas, const PieceSelection& selection) {
+  MapPiece piece;
+  piece.map = selection.map;
+  for (const auto& [absorbed, survivor] : atlas.merged_maps()) {
+    if (atlas.Resolve(absorbed) == selection.map) piece.merged.push_back(absorbed);
+  }
+  piece.keyframes = CutKeyframes(atlas, selection);
+  std::unordered_set<KeyframeId> listed;
+  for (const PieceKeyframe& keyframe : piece.keyframes) listed.insert(keyframe.id);
+
+  std::vector<LandmarkId> landmarks = selection.landmarks;
+  SortUnique(landmarks);
+  for (const LandmarkId id : landmarks) {
+    const Landmark* landmark = atlas.FindLandmark(id);
+    if (landmark == nullptr || atlas.MapOf(*landmark) != selection.map) continue;
+    piece.landmarks.push_back(CutLandmark(*landmark, listed));
+  }
+  std::vector<LandmarkId> former = selection.former_landmarks;
+  SortUnique(former);
+  for (const LandmarkId id : former) {
+    if (atlas.FindLandmark(id) != nullptr || !atlas.Knows(id)) continue;
+    const LandmarkId kept = atlas.Resolve(id);
+    if (kept.valid()) {
+      piece.fused.push_back({id, kept});
+    } else {
+      piece.removed.push_back(id);
+    }
+  }
+  piece.culled = selection.culled;
+  SortUnique(piece.culled);
+  std::erase_if(piece.culled, [&](KeyframeId id) { return atlas.FindKeyframe(id) != nullptr || !atlas.Knows(id); });
+  return piece;
+}
+
+std::vector<LandmarkId> LandmarksOf(const Atlas& atlas, std::span<const KeyframeId> keyframes) {
+  std::vector<LandmarkId> landmarks;
+  for (const KeyframeId id : keyframes) {
+    const Keyframe* keyframe = atlas.FindKeyframe(id);
+    if (keyframe == nullptr) continue;
+    std::copy_if(keyframe->landmarks.begin(), keyframe->landmarks.end(), std::back_inserter(landmarks),
+                 [](LandmarkId landmark) { return landmark.valid(); });
+  }
+  SortUnique(landmarks);
+  return landmarks;
+}
+
+}  // namespace pangaea

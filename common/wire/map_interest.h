@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/map/ids.h"
+
+namespace pangaea {
+
+// Where an agent is and what it holds of others, so that the server can send it what it lacks.
+struct MapInterest {
+  SessionId session = 0;
+  std::uint64_t applied_version = 0;  // of the newest correction it applied; 0 before any
+  MapId map;                          // the agent's name of the map it is in; none while it has none
+  KeyframeId reference;               // the keyframe its camera is near to; none while it has none
+  std::vector<KeyframeId> guests;     // keyframes of other sessions that it holds, ascending
+  bool operator==(const MapInterest&) const = default;
+};
+
+}  // namespace pangaea
