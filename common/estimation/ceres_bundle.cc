@@ -1,5 +1,4 @@
 #include <ceres/ceres.h>
-#include <glog/logging.h>
 
 #include <algorithm>
 #include <array>
@@ -8,34 +7,10 @@
 
 #include "common/estimation/bundle_cost.h"
 #include "common/estimation/bundle_phase.h"
+#include "common/estimation/ceres_run.h"
 
 namespace pangaea {
 namespace {
-
-class StopCallback final : public ceres::IterationCallback {
- public:
-  explicit StopCallback(std::stop_token stop) : stop_(std::move(stop)) {}
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
-    // Iteration 0 is the evaluation of the start.
-    const bool stop = summary.iteration > 0 && stop_.stop_requested();
-    stopped_ = stopped_ || stop;
-    return stop ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
-  }
-  bool stopped() const { return stopped_; }
-
- private:
-  std::stop_token stop_;
-  bool stopped_ = false;
-};
-
-// Ceres warns on stderr of every step whose factorisation failed; it recovers from those by itself.
-void SilenceWarnings() {
-  static const bool once = [] {
-    FLAGS_minloglevel = std::max(FLAGS_minloglevel, static_cast<int>(google::GLOG_ERROR));
-    return true;
-  }();
-  static_cast<void>(once);
-}
 
 ceres::LinearSolverType LinearSolver(BundleSolver solver) {
   switch (solver) {
@@ -68,9 +43,9 @@ class CeresBundle {
   }
 
   PhaseOutcome Run() {
-    SilenceWarnings();
+    SilenceCeresWarnings();
     ceres::Solver::Options options = SolverOptions();
-    StopCallback stop(phase_.options.stop);
+    CeresStopCallback stop(phase_.options.stop);
     options.callbacks.push_back(&stop);
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem_, &summary);

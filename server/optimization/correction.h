@@ -38,7 +38,8 @@ struct Correction {
 // correction does not name stays. Where the tree hangs together in another way by now, the nearest keyframe above that
 // the snapshot has stands for the parent in that comparison.
 // Empty where the map is gone, also into another one: what was welded to it since was welded to its old shape, and the
-// correction would tear it off again. A map that took in others keeps its frame; what came in follows like anything new.
+// correction would tear it off again. A map that took in others keeps its frame; what came in follows like anything
+// new.
 std::vector<MapEdit> Rebase(const Correction& correction, const Atlas& current);
 
 }  // namespace pangaea
