@@ -66,7 +66,11 @@ void EditStream::Confirm(const EditAck& ack) {
 
 Status EditStream::Continue() {
   if (!retained_.all_acknowledged() || snapshot_ == nullptr) return {};
-  if (repair_due()) return Repair();
+  if (repair_due()) {
+    const Status repaired = Repair();
+    // A repair may find that closing a map is all that is missing.
+    if (!repaired || !retained_.all_acknowledged()) return repaired;
+  }
   return Retain(planner_.PlanClosing(*snapshot_), options_.envelope_bytes);
 }
 

@@ -86,9 +86,9 @@ void MirrorUpdate::RemoveWrongObservations(const Landmark& wanted) {
 bool MirrorUpdate::AddLandmarkItself(const Landmark& wanted, std::set<LandmarkId>& landmarks) {
   const std::uint32_t keypoint = ObservationAt(wanted, wanted.reference)->keypoint;
   FreeKeypoint(wanted.reference, keypoint, wanted.id, landmarks);
-  const Eigen::Vector3d point_in_reference =
-      mirror_.FindKeyframe(wanted.reference)->camera_from_map * wanted.point_in_map;
-  return Emit(AddLandmark{wanted.id, wanted.reference, keypoint, point_in_reference});
+  const Keyframe& reference = *mirror_.FindKeyframe(wanted.reference);
+  const Eigen::Vector3d point_in_reference = reference.camera_from_map * wanted.point_in_map;
+  return Emit(AddLandmark{wanted.id, wanted.reference, keypoint, point_in_reference, {reference.scale}});
 }
 
 void MirrorUpdate::AddMissingObservations(const Landmark& wanted, std::set<LandmarkId>& landmarks) {

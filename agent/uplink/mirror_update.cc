@@ -45,7 +45,8 @@ std::vector<KeyframeId> MirrorUpdate::AddKeyframes(const std::vector<KeyframeId>
     const Keyframe* parent = mirror_.FindKeyframe(keyframe.parent);
     const Rigid3d camera_from_parent =
         parent == nullptr ? keyframe.camera_from_map : keyframe.camera_from_map * parent->camera_from_map.Inverse();
-    Emit(AddKeyframe{id, keyframe.map, keyframe.parent, camera_from_parent, keyframe.data});
+    const ReferenceScale scale{parent == nullptr ? 1.0 : parent->scale};
+    Emit(AddKeyframe{id, keyframe.map, keyframe.parent, camera_from_parent, keyframe.data, scale});
   }
   return missing;
 }
@@ -107,7 +108,8 @@ void MirrorUpdate::AddFrames(const std::set<KeyframeId>& keyframes, const MoveTh
     const Keyframe* present = mirror_.FindKeyframe(id);
     if (wanted == nullptr || present == nullptr || wanted->frames == nullptr) continue;
     for (const FramePose& frame : *wanted->frames) {
-      if (!HoldsFrame(*present, frame, thresholds.keyframe_m, thresholds.keyframe_rad)) missing.push_back({id, frame});
+      if (!HoldsFrame(*present, frame, thresholds.keyframe_m, thresholds.keyframe_rad))
+        missing.push_back({id, frame, {present->scale}});
     }
   }
   std::stable_sort(missing.begin(), missing.end(),

@@ -1,6 +1,7 @@
 #include "common/map/atlas_codec.h"
 
 #include "common/map/atlas_decoder.h"
+#include "common/map/edits/reference_scale.h"
 #include "common/map/frame_pose.h"
 #include "common/map/map_bytes.h"
 
@@ -26,6 +27,8 @@ void WriteKeyframe(const Keyframe& keyframe, MapWriter& writer) {
   writer.WriteId(keyframe.map);
   writer.WriteId(keyframe.parent);
   writer.WriteRigid(keyframe.camera_from_map);
+  writer.bytes().Varint(keyframe.corrected_at);
+  WriteScale({keyframe.scale}, writer);
   writer.bytes().Varint(keyframe.frames ? keyframe.frames->size() : 0);
   if (!keyframe.frames) return;
   for (const FramePose& frame : *keyframe.frames) {

@@ -4,6 +4,7 @@
 #include <set>
 #include <utility>
 
+#include "common/map/edits/reference_scale.h"
 #include "common/map/frame_pose.h"
 #include "common/map/validation.h"
 
@@ -31,9 +32,9 @@ bool EndsEverywhere(const std::map<AnyId, AnyId>& next) {
 }  // namespace
 
 Status AtlasDecoder::Run() {
-  const auto format = bytes_.Word<std::uint8_t>();
-  if (bytes_.ok() && format != kAtlasFormat) {
-    return Fail(ErrorCode::kUnsupported, "stored atlas: unknown format " + std::to_string(format));
+  format_ = bytes_.Word<std::uint8_t>();
+  if (bytes_.ok() && (format_ == 0 || format_ > kAtlasFormat)) {
+    return Fail(ErrorCode::kUnsupported, "stored atlas: unknown format " + std::to_string(format_));
   }
   const std::uint64_t version = bytes_.Varint();
   using Part = Status (AtlasDecoder::*)();
@@ -69,13 +70,17 @@ Result<Keyframe> AtlasDecoder::ReadKeyframe() {
   keyframe.map = reader_.ReadId<MapTag>();
   keyframe.parent = reader_.ReadId<KeyframeTag>();
   keyframe.camera_from_map = reader_.ReadRigid();
+  if (format_ >= 2) {
+    keyframe.corrected_at = bytes_.Varint();
+    keyframe.scale = ReadScale(reader_).value;
+  }
   if (auto status = ReadFrames(keyframe); !status) return tl::make_unexpected(status.error());
   if (!bytes_.ok()) return Fail(ErrorCode::kCorrupt, "stored atlas: truncated or malformed keyframe");
   if (auto status = CheckNewId(keyframe.id); !status) return tl::make_unexpected(status.error());
   if (auto status = CheckNewId(keyframe.map); !status) return tl::make_unexpected(status.error());
   auto data = data_(keyframe.id);
   if (!data) return tl::make_unexpected(data.error());
-  if (*data == nullptr || !keyframe.camera_from_map.AllFinite()) {
+  if (*data == nullptr || !keyframe.camera_from_map.AllFinite() || !IsTotalScale(keyframe.scale)) {
     return Fail(ErrorCode::kCorrupt, "stored atlas: keyframe " + ToString(keyframe.id) + " without data or pose");
   }
   if (auto status = CheckKeyframeData(**data); !status) return tl::make_unexpected(status.error());

@@ -14,8 +14,8 @@
 
 namespace pangaea {
 
-// First byte of an encoded atlas.
-inline constexpr std::uint8_t kAtlasFormat = 1;
+// First byte of an encoded atlas. Format 1 has no corrections and scales of keyframes; both are read for ever.
+inline constexpr std::uint8_t kAtlasFormat = 2;
 
 // Builds an atlas from the bytes of EncodeAtlas, part by part in their order, and believes none of them: each part is
 // checked against those before it, so that what is built is consistent. Run once, on an empty atlas.
@@ -46,6 +46,7 @@ class AtlasDecoder {
   const KeyframeDataSource& data_;
   Atlas& atlas_;
   AtlasEditor editor_;
+  std::uint8_t format_ = kAtlasFormat;
 };
 
 }  // namespace pangaea

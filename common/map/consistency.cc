@@ -4,6 +4,7 @@
 #include <map>
 
 #include "common/map/spanning_tree.h"
+#include "common/map/validation.h"
 
 namespace pangaea {
 namespace {
@@ -39,6 +40,7 @@ class Checker {
     Expect(atlas_.FindKeyframe(keyframe.id) == &keyframe, keyframe.id, "is not found under its id");
     Expect(atlas_.FindMap(keyframe.map) != nullptr, keyframe.id, "its map is not alive");
     Expect(keyframe.camera_from_map.AllFinite(), keyframe.id, "its pose is not finite");
+    Expect(IsTotalScale(keyframe.scale), keyframe.id, "its scale is out of range");
     Expect(keyframe.data != nullptr, keyframe.id, "it has no data");
     if (keyframe.data == nullptr) return;
     Expect(keyframe.landmarks.size() == keyframe.data->features.keypoints.size(), keyframe.id,

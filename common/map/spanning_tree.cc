@@ -64,14 +64,14 @@ MoveKeyframes MoveKeyframesTo(const Atlas& atlas, std::span<const std::pair<Keyf
     const Keyframe* parent = atlas.FindKeyframe(ParentOf(atlas, id));
     Rigid3d& pose = target.at(id);
     if (parent == nullptr) {
-      edit.keyframes.push_back({id, pose});
+      edit.keyframes.push_back({id, pose, {}, {}});
       continue;
     }
     const auto moved = target.find(parent->id);
     const Rigid3d& parent_from_map = moved == target.end() ? parent->camera_from_map : moved->second;
-    edit.keyframes.push_back({id, pose * parent_from_map.Inverse()});
+    edit.keyframes.push_back({id, pose * parent_from_map.Inverse(), parent->id, {parent->scale}});
     // To the last bit what Apply will make of it: the pose against which the children are measured.
-    pose = edit.keyframes.back().camera_from_parent * parent_from_map;
+    pose = edit.keyframes.back().camera_from_reference * parent_from_map;
   }
   return edit;
 }
@@ -83,9 +83,10 @@ MoveLandmarks MoveLandmarksTo(const Atlas& atlas,
   for (const auto& [id, point] : point_in_map) {
     const Landmark* landmark = atlas.FindLandmark(id);
     if (landmark == nullptr) continue;
-    const Eigen::Vector3d point_in_reference = atlas.FindKeyframe(landmark->reference)->camera_from_map * point;
+    const Keyframe& reference = *atlas.FindKeyframe(landmark->reference);
+    const Eigen::Vector3d point_in_reference = reference.camera_from_map * point;
     if (point_in_reference.z() > 0.0 && point_in_reference.norm() <= kMaxLength) {
-      edit.landmarks.push_back({id, point_in_reference});
+      edit.landmarks.push_back({id, point_in_reference, reference.id, {reference.scale}});
     }
   }
   return edit;

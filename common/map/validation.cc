@@ -77,6 +77,8 @@ Status CheckSimilarity(const Similarity3d& similarity) {
   return {};
 }
 
+bool IsTotalScale(double scale) { return scale >= 1.0 / kMaxTotalScale && scale <= kMaxTotalScale; }
+
 Status CheckPointInCamera(const Eigen::Vector3d& point_in_camera) {
   if (!IsWithin(point_in_camera, kMaxLength)) return Invalid("a landmark is not finite or too far");
   if (!(point_in_camera.z() > 0.0)) return Invalid("a landmark is behind its reference camera");

@@ -21,6 +21,8 @@ Status CheckKnown(const Atlas& atlas, LandmarkId id);
 // Finite, lengths up to kMaxLength.
 Status CheckPose(const Rigid3d& pose);
 Status CheckSimilarity(const Similarity3d& similarity);
+// Of a keyframe, from 1 / kMaxTotalScale to kMaxTotalScale.
+bool IsTotalScale(double scale);
 // In front of the camera, finite, not farther than kMaxLength.
 Status CheckPointInCamera(const Eigen::Vector3d& point_in_camera);
 // A camera that can be and features that it can have seen.

@@ -4,6 +4,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "common/map/edits/reference_scale.h"
 #include "common/map/map_edit.h"
 #include "common/map/spanning_tree.h"
 
@@ -19,10 +20,6 @@ bool IsSame(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 
 bool IsSame(const Rigid3d& a, const Rigid3d& b) {
   return IsSame(a.translation(), b.translation()) && a.rotation().angularDistance(b.rotation()) <= kSame;
-}
-
-Rigid3d ScaleLengths(const Rigid3d& rigid, double scale) {
-  return Rigid3d::FromNormalized(rigid.rotation(), scale * rigid.translation()).value_or(rigid);
 }
 
 // Where a keyframe goes.
@@ -47,7 +44,14 @@ class Rebasing {
       const Destination& destination = destinations_.at(id);
       if (destination.moves) moved.emplace_back(id, destination.camera_from_map);
     }
-    return MoveKeyframesTo(current_, moved);
+    MoveKeyframes edit = MoveKeyframesTo(current_, moved);
+    edit.correction = kProvisionalCorrection;
+    for (MovedKeyframe& keyframe : edit.keyframes) {
+      keyframe.scale = destinations_.at(keyframe.id).scale;
+      // Measured on this very atlas, with what the references will be.
+      keyframe.reference_scale = {};
+    }
+    return edit;
   }
 
   // `moved` is the atlas after the edit of the keyframes.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <vector>
 
 #include "common/geometry/rigid3.h"
@@ -30,6 +31,9 @@ struct Correction {
   std::vector<CorrectedKeyframe> keyframes;  // those that move; each once
   std::vector<CorrectedLandmark> landmarks;  // those that move on their own; others follow their reference keyframe
 };
+
+// The version that moves of a correction carry until the owner of the atlas writes the position of its edit there.
+inline constexpr std::uint64_t kProvisionalCorrection = 1;
 
 // The edits that bring a correction onto the atlas as it is now (design: "rebases"): ids that vanished are skipped; a
 // keyframe whose pose relative to its parent was edited after the snapshot keeps its current pose relative to its

@@ -3,6 +3,7 @@
 #include <map>
 #include <random>
 
+#include "common/map/map_bytes.h"
 #include "common/map/map_edit.h"
 #include "tests/map/random_edits.h"
 #include "tests/map/small_world.h"
@@ -13,18 +14,18 @@ namespace {
 std::vector<MapEdit> OneOfEachKind() {
   const Rigid3d pose = MakePose(0.3, 0.1, 0.2, 0.3);
   const Similarity3d similarity(1.5, pose.rotation(), pose.translation());
-  return {AddKeyframe{K(2), M(1), K(1), pose, MakeData(5, 77)},
+  return {AddKeyframe{K(2), M(1), K(1), pose, MakeData(5, 77), {1.5}},
           AddFramePoses{{{K(2), {5, pose}}, {K(1, kBert), {6, QuantizeFramePose(pose)}}}},
           AddLandmark{L(3), K(2), 4, {0.1, 0.2, 3.0}},
           AddObservation{L(300), K(2), 70000},
           RemoveObservation{L(3), K(2)},
-          MoveKeyframes{{{K(2), pose}, {K(70000), pose}}},
-          MoveLandmarks{{{L(3), {1.0, 2.0, 3.0}}}},
+          MoveKeyframes{{{K(2), pose, K(1), {2.5}, 1.25}, {K(70000), pose}}, 12},
+          MoveLandmarks{{{L(3), {1.0, 2.0, 3.0}, K(2), {1.0}}}},
           FuseLandmarks{L(3), L(3, kBert)},
           RemoveKeyframe{K(2)},
           RemoveLandmark{L(3)},
           AddLoopEdge{K(1), K(2), similarity},
-          MergeMaps{M(1), M(1, kBert), similarity, K(1, kBert), K(1)},
+          MergeMaps{M(1), M(1, kBert), similarity, K(1, kBert), K(1), 17},
           CloseMap{M(1)}};
 }
 
@@ -60,6 +61,33 @@ TEST(MapEditCodec, FieldsComeBackWithEveryBit) {
     EXPECT_TRUE(SameBits(frames[i].pose.reference_from_frame, sent_frames[i].pose.reference_from_frame));
   }
   EXPECT_EQ(std::get<AddObservation>((*decoded)[3]).keypoint, 70000u);
+  const auto& moves = std::get<MoveKeyframes>((*decoded)[5]);
+  EXPECT_EQ(moves.correction, 12u);
+  EXPECT_EQ(moves.keyframes[0].reference, K(1));
+  EXPECT_EQ(moves.keyframes[0].reference_scale, ReferenceScale{2.5});
+  EXPECT_EQ(moves.keyframes[0].scale, 1.25);
+  EXPECT_EQ(std::get<MergeMaps>((*decoded)[11]).correction, 17u);
+}
+
+// Journals written before edits had references, scales and corrections.
+TEST(MapEditCodec, TheFirstVersionOfAMoveIsReadAsItWasMeant) {
+  ByteWriter bytes;
+  MapWriter writer(bytes);
+  const Rigid3d pose = MakePose(0.3, 0.1, 0.2, 0.3);
+  bytes.Word(MoveKeyframes::kTag);
+  bytes.Word(std::uint8_t{1});
+  bytes.Varint(1);
+  writer.WriteId(K(2));
+  writer.WriteRigid(pose);
+  ByteReader reader(bytes.bytes());
+  const auto decoded = Decode(reader);
+  ASSERT_TRUE(decoded);
+  EXPECT_EQ(reader.remaining(), 0u);
+  const auto& moves = std::get<MoveKeyframes>(*decoded);
+  EXPECT_EQ(moves.correction, 0u);
+  ASSERT_EQ(moves.keyframes.size(), 1u);
+  EXPECT_FALSE(moves.keyframes[0].reference.valid());
+  EXPECT_TRUE(SameBits(moves.keyframes[0].camera_from_reference, pose));
 }
 
 TEST(MapEditCodec, OneEditByItselfComesBack) {

@@ -60,6 +60,56 @@ TEST(MapEdit, ListedKeyframesMoveInTurnEachAgainstItsParentsNewPose) {
   EXPECT_TRUE(SameBits(world.Get(K(3)).camera_from_map, step * world.Get(K(2)).camera_from_map));
 }
 
+TEST(MapEdit, AMoveAgainstAReferenceMeansTheSameInAnotherTree) {
+  SmallWorld world = RowOfThree();
+  const Rigid3d step = MakePose(0.2, 1.0, 0.0, 0.0);
+  world.Do(MoveKeyframes{{{K(3), step, K(1)}}});
+  EXPECT_TRUE(SameBits(world.Get(K(3)).camera_from_map, step * world.Get(K(1)).camera_from_map));
+}
+
+TEST(MapEdit, OnceCorrectedAKeyframeIsMovedByCorrectionsAlone) {
+  SmallWorld world = RowOfThree();
+  const Rigid3d step = MakePose(0.2, 1.0, 0.0, 0.0);
+  world.Do(MoveKeyframes{{{K(2), step}}, 7});
+  EXPECT_EQ(world.Get(K(2)).corrected_at, 7u);
+  const Rigid3d corrected = world.Get(K(2)).camera_from_map;
+  world.Do(MoveKeyframes{{{K(2), MakePose(0.0, 3.0, 0.0, 0.0)}}});  // its agent's, late
+  EXPECT_TRUE(SameBits(world.Get(K(2)).camera_from_map, corrected));
+  world.Do(MoveKeyframes{{{K(2), MakePose(0.0, 3.0, 0.0, 0.0)}}, 8});
+  EXPECT_EQ(world.Get(K(2)).corrected_at, 8u);
+  EXPECT_FALSE(SameBits(world.Get(K(2)).camera_from_map, corrected));
+}
+
+TEST(MapEdit, LengthsMeasuredBeforeAKeyframeWasScaledAreScaledWhenTheyArrive) {
+  SmallWorld world = RowOfThree();
+  const Rigid3d same = world.Get(K(3)).camera_from_map * world.Get(K(2)).camera_from_map.Inverse();
+  world.Do(MoveKeyframes{{{K(3), same, K(2), {}, 2.0}}, 7});
+  EXPECT_EQ(world.Get(K(3)).scale, 2.0);
+  world.Do(AddLandmark{L(9), K(3), 9, {0.1, 0.2, 3.0}, {1.0}});
+  const Eigen::Vector3d late = world.Get(K(3)).camera_from_map * world.Get(L(9)).point_in_map;
+  EXPECT_LT((late - Eigen::Vector3d(0.2, 0.4, 6.0)).norm(), 1e-12);
+  world.Do(MoveLandmarks{{{L(9), {0.1, 0.2, 3.0}, K(3), {2.0}}}});  // measured after the correction
+  const Eigen::Vector3d moved = world.Get(K(3)).camera_from_map * world.Get(L(9)).point_in_map;
+  EXPECT_LT((moved - Eigen::Vector3d(0.1, 0.2, 3.0)).norm(), 1e-12);
+  const Rigid3d step = MakePose(0.2, 1.0, 0.0, 0.0);
+  world.Do(AddKeyframe{K(4), M(1), K(3), step, MakeData(20, 4000), {1.0}});
+  const Rigid3d arrived = world.Get(K(4)).camera_from_map * world.Get(K(3)).camera_from_map.Inverse();
+  EXPECT_LT((arrived.translation() - 2.0 * step.translation()).norm(), 1e-12);
+  EXPECT_EQ(world.Get(K(4)).scale, 2.0);
+}
+
+TEST(MapEdit, ALandmarkMovesAgainstTheReferenceThatIsSaid) {
+  SmallWorld world = RowOfThree();
+  world.Do(MoveLandmarks{{{L(2), {1.0, 2.0, 3.0}, K(3)}}});  // its own reference is keyframe 2
+  const Eigen::Vector3d point_in_said = world.Get(K(3)).camera_from_map * world.Get(L(2)).point_in_map;
+  EXPECT_LT((point_in_said - Eigen::Vector3d(1.0, 2.0, 3.0)).norm(), 1e-12);
+}
+
+TEST(MapEdit, AnAgentMayNotPassOffItsMovesAsCorrections) {
+  EXPECT_FALSE(TouchesOnly(MoveKeyframes{{{K(1), {}}}, 3}, kAnna));
+  EXPECT_FALSE(TouchesOnly(MergeMaps{M(1), M(2), {}, K(2), K(1), 3}, kAnna));
+}
+
 TEST(MapEdit, ALandmarkMovesInItsReferencesFrame) {
   SmallWorld world = RowOfThree();
   world.Do(MoveLandmarks{{{L(2), {1.0, 2.0, 3.0}}}});

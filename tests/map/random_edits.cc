@@ -44,6 +44,7 @@ AddKeyframe RandomEdits::MakeKeyframe(const Atlas& atlas) {
   keyframes_.push_back(edit.id);
   edit.camera_from_parent = AnyPose();
   edit.data = MakeData(kKeypoints, stamp_ns_ += 10);
+  edit.parent_scale = AnyScale();
   if (keyframes_.size() < 2 || Below(10) == 0) {
     edit.map = {edit.id.session, static_cast<std::uint32_t>(maps_.size()) + 1};
     maps_.push_back(edit.map);
@@ -59,16 +60,24 @@ AddFramePoses RandomEdits::MakeFrames() {
   AddFramePoses edit;
   for (std::uint32_t i = Below(4); i > 0; --i) {
     const Rigid3d pose = AnyPose();
-    edit.frames.push_back({AnyKeyframe(), {stamp_ns_ += 1, Below(2) == 0 ? pose : QuantizeFramePose(pose)}});
+    edit.frames.push_back(
+        {AnyKeyframe(), {stamp_ns_ += 1, Below(2) == 0 ? pose : QuantizeFramePose(pose)}, AnyScale()});
   }
   return edit;
 }
 
 MoveKeyframes RandomEdits::MakeMove() {
   MoveKeyframes edit;
-  for (std::uint32_t i = Below(5); i > 0; --i) edit.keyframes.push_back({AnyKeyframe(), AnyPose()});
+  if (Below(3) == 0) edit.correction = ++corrections_;
+  for (std::uint32_t i = Below(5); i > 0; --i) {
+    MovedKeyframe moved{AnyKeyframe(), AnyPose(), Below(2) == 0 ? AnyKeyframe() : KeyframeId{}, AnyScale()};
+    if (edit.correction != 0 && Below(2) == 0) moved.scale = Uniform(0.5, 2.0);
+    edit.keyframes.push_back(moved);
+  }
   return edit;
 }
+
+ReferenceScale RandomEdits::AnyScale() { return {Below(2) == 0 ? 0.0 : Uniform(0.5, 2.0)}; }
 
 MergeMaps RandomEdits::MakeMerge(const Atlas& atlas) {
   const Keyframe* survivor = atlas.FindKeyframe(atlas.Resolve(AnyKeyframe()));
@@ -76,7 +85,7 @@ MergeMaps RandomEdits::MakeMerge(const Atlas& atlas) {
   if (survivor == nullptr || absorbed == nullptr) return {AnyMap(), AnyMap(), {}, AnyKeyframe(), AnyKeyframe()};
   const Rigid3d pose = AnyPose();
   const Similarity3d motion(Uniform(0.5, 2.0), pose.rotation(), pose.translation());
-  return {survivor->map, absorbed->map, motion, absorbed->id, survivor->id};
+  return {survivor->map, absorbed->map, motion, absorbed->id, survivor->id, Below(2) == 0 ? ++corrections_ : 0};
 }
 
 MapEdit RandomEdits::Next(const Atlas& atlas) {
@@ -84,13 +93,14 @@ MapEdit RandomEdits::Next(const Atlas& atlas) {
   if (keyframes_.empty() || draw < 15) return MakeKeyframe(atlas);
   if (draw < 35) {
     landmarks_.push_back({AnySession(), static_cast<std::uint32_t>(landmarks_.size()) + 1});
-    return AddLandmark{landmarks_.back(), AnyKeyframe(), Below(kKeypoints), AnyPoint()};
+    return AddLandmark{landmarks_.back(), AnyKeyframe(), Below(kKeypoints), AnyPoint(), AnyScale()};
   }
   if (draw < 65) return AddObservation{AnyLandmark(), AnyKeyframe(), Below(kKeypoints)};
   if (draw < 70) return RemoveObservation{AnyLandmark(), AnyKeyframe()};
   if (draw < 75) return MakeFrames();
   if (draw < 80) return MakeMove();
-  if (draw < 84) return MoveLandmarks{{{AnyLandmark(), AnyPoint()}, {AnyLandmark(), AnyPoint()}}};
+  if (draw < 84)
+    return MoveLandmarks{{{AnyLandmark(), AnyPoint(), AnyKeyframe(), AnyScale()}, {AnyLandmark(), AnyPoint()}}};
   if (draw < 90) return FuseLandmarks{AnyLandmark(), AnyLandmark()};
   if (draw < 93) return RemoveKeyframe{AnyKeyframe()};
   if (draw < 95) return RemoveLandmark{AnyLandmark()};

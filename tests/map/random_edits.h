@@ -28,6 +28,7 @@ class RandomEdits {
 
   AddKeyframe MakeKeyframe(const Atlas& atlas);
   AddFramePoses MakeFrames();
+  ReferenceScale AnyScale();
   MoveKeyframes MakeMove();
   MergeMaps MakeMerge(const Atlas& atlas);
 
@@ -36,6 +37,7 @@ class RandomEdits {
   std::vector<LandmarkId> landmarks_;
   std::vector<MapId> maps_;
   std::int64_t stamp_ns_ = 0;
+  std::uint64_t corrections_ = 0;
 };
 
 }  // namespace pangaea

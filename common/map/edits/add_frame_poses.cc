@@ -20,8 +20,9 @@ void InsertRun(std::span<const TrackedFrame> run, AtlasEditor& editor) {
   for (const TrackedFrame& frame : run) {
     frames.push_back(frame.pose);
     frames.back().session = reference.session;
-    if (holder == reference) continue;
-    frames.back().reference_from_frame = resolved->keyframe_from_asked * frame.pose.reference_from_frame;
+    Rigid3d& pose = frames.back().reference_from_frame;
+    pose = ScaleLengths(pose, LengthFactor(*resolved->keyframe, frame.reference_scale));
+    if (holder != reference) pose = resolved->keyframe_from_asked * pose;
   }
   editor.InsertFrames(holder, frames);
 }
@@ -37,6 +38,7 @@ Status Validate(const AddFramePoses& edit, const Atlas& atlas) {
       checked = frame.reference;
     }
     if (auto status = CheckPose(frame.pose.reference_from_frame); !status) return status;
+    if (auto status = CheckScale(frame.reference_scale); !status) return status;
     if (i == 0 || edit.frames[i - 1].pose.stamp_ns < frame.pose.stamp_ns) continue;
     return Fail(ErrorCode::kInvalidArgument, "frame poses are not ascending by stamp");
   }
@@ -61,14 +63,16 @@ void Encode(const AddFramePoses& edit, MapWriter& writer) {
   for (const TrackedFrame& frame : edit.frames) {
     writer.WriteId(frame.reference);
     WriteFramePose(frame.pose, writer);
+    WriteScale(frame.reference_scale, writer);
   }
 }
 
-void Decode(MapReader& reader, std::uint8_t, AddFramePoses& edit) {
+void Decode(MapReader& reader, std::uint8_t version, AddFramePoses& edit) {
   edit.frames.resize(reader.bytes().Count(1 + kMinFramePoseBytes));
   for (TrackedFrame& frame : edit.frames) {
     frame.reference = reader.ReadId<KeyframeTag>();
     frame.pose = ReadFramePose(reader);
+    if (version >= 2) frame.reference_scale = ReadScale(reader);
   }
 }
 

@@ -34,6 +34,7 @@ Status Validate(const AddKeyframe& edit, const Atlas& atlas) {
   if (atlas.Knows(edit.id)) return Fail(ErrorCode::kRefused, "keyframe " + ToString(edit.id) + " is here already");
   if (edit.data == nullptr) return Fail(ErrorCode::kInvalidArgument, "keyframe " + ToString(edit.id) + " has no data");
   if (auto status = CheckPose(edit.camera_from_parent); !status) return status;
+  if (auto status = CheckScale(edit.parent_scale); !status) return status;
   if (auto status = CheckKeyframeData(*edit.data); !status) return status;
   return edit.parent.valid() ? ValidateChild(edit, atlas) : ValidateRoot(edit, atlas);
 }
@@ -47,10 +48,13 @@ void ApplyValid(const AddKeyframe& edit, AtlasEditor& editor) {
   keyframe.camera_from_map = edit.camera_from_parent;
   if (const auto parent = editor.atlas().ResolvePose(edit.parent)) {
     const bool culled = parent->keyframe->id != edit.parent;
+    const Rigid3d camera_from_asked =
+        ScaleLengths(edit.camera_from_parent, LengthFactor(*parent->keyframe, edit.parent_scale));
     const Rigid3d camera_from_parent =
-        culled ? edit.camera_from_parent * parent->keyframe_from_asked.Inverse() : edit.camera_from_parent;
+        culled ? camera_from_asked * parent->keyframe_from_asked.Inverse() : camera_from_asked;
     keyframe.map = parent->keyframe->map;
     keyframe.parent = parent->keyframe->id;
+    keyframe.scale = parent->keyframe->scale;
     keyframe.camera_from_map = camera_from_parent * parent->keyframe->camera_from_map;
   }
   editor.InsertKeyframe(std::move(keyframe));
@@ -66,14 +70,16 @@ void Encode(const AddKeyframe& edit, MapWriter& writer) {
   writer.WriteId(edit.map);
   writer.WriteId(edit.parent);
   writer.WriteRigid(edit.camera_from_parent);
+  WriteScale(edit.parent_scale, writer);
   EncodeKeyframeData(edit.data ? *edit.data : KeyframeData{}, writer.bytes());
 }
 
-void Decode(MapReader& reader, std::uint8_t, AddKeyframe& edit) {
+void Decode(MapReader& reader, std::uint8_t version, AddKeyframe& edit) {
   edit.id = reader.ReadId<KeyframeTag>();
   edit.map = reader.ReadId<MapTag>();
   edit.parent = reader.ReadId<KeyframeTag>();
   edit.camera_from_parent = reader.ReadRigid();
+  if (version >= 2) edit.parent_scale = ReadScale(reader);
   auto data = DecodeKeyframeData(reader.bytes());
   if (data) edit.data = std::move(*data);
 }

@@ -6,6 +6,7 @@
 
 #include "common/geometry/rigid3.h"
 #include "common/map/edits/edit_kind.h"
+#include "common/map/edits/reference_scale.h"
 #include "common/map/keyframe.h"
 
 namespace pangaea {
@@ -15,7 +16,7 @@ namespace pangaea {
 // living ancestor. Pixels are whole multiples of kPixelQuantum, u_right is -1 where unknown.
 struct AddKeyframe {
   static constexpr std::uint8_t kTag = 1;
-  static constexpr std::uint8_t kVersion = 1;
+  static constexpr std::uint8_t kVersion = 2;
   static constexpr std::string_view kName = "add_keyframe";
 
   KeyframeId id;
@@ -23,6 +24,7 @@ struct AddKeyframe {
   KeyframeId parent;
   Rigid3d camera_from_parent;
   std::shared_ptr<const KeyframeData> data;
+  ReferenceScale parent_scale = {};
 };
 
 Status Validate(const AddKeyframe& edit, const Atlas& atlas);

@@ -10,6 +10,7 @@ Status Validate(const AddLandmark& edit, const Atlas& atlas) {
   if (auto status = CheckNewId(edit.id); !status) return status;
   if (auto status = CheckKnown(atlas, edit.reference); !status) return status;
   if (auto status = CheckPointInCamera(edit.point_in_reference); !status) return status;
+  if (auto status = CheckScale(edit.reference_scale); !status) return status;
   if (atlas.Resolve(edit.id).valid()) {
     return Fail(ErrorCode::kRefused, "landmark " + ToString(edit.id) + " is here already");
   }
@@ -20,7 +21,8 @@ Status Validate(const AddLandmark& edit, const Atlas& atlas) {
 void ApplyValid(const AddLandmark& edit, AtlasEditor& editor) {
   const Keyframe* reference = editor.atlas().FindKeyframe(edit.reference);
   if (reference == nullptr) return editor.ForgetLandmark(edit.id);
-  const Eigen::Vector3d point_in_map = reference->camera_from_map.Inverse() * edit.point_in_reference;
+  const Eigen::Vector3d point_in_reference = LengthFactor(*reference, edit.reference_scale) * edit.point_in_reference;
+  const Eigen::Vector3d point_in_map = reference->camera_from_map.Inverse() * point_in_reference;
   editor.InsertLandmark(edit.id, point_in_map, edit.reference, edit.keypoint);
 }
 
@@ -33,13 +35,15 @@ void Encode(const AddLandmark& edit, MapWriter& writer) {
   writer.WriteId(edit.reference);
   writer.bytes().Varint(edit.keypoint);
   writer.WritePoint(edit.point_in_reference);
+  WriteScale(edit.reference_scale, writer);
 }
 
-void Decode(MapReader& reader, std::uint8_t, AddLandmark& edit) {
+void Decode(MapReader& reader, std::uint8_t version, AddLandmark& edit) {
   edit.id = reader.ReadId<LandmarkTag>();
   edit.reference = reader.ReadId<KeyframeTag>();
   edit.keypoint = reader.ReadCounter();
   edit.point_in_reference = reader.ReadPoint();
+  if (version >= 2) edit.reference_scale = ReadScale(reader);
 }
 
 }  // namespace pangaea

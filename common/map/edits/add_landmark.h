@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "common/map/edits/edit_kind.h"
+#include "common/map/edits/reference_scale.h"
 
 namespace pangaea {
 
@@ -12,13 +13,14 @@ namespace pangaea {
 // The id of a landmark that is gone may be used again for the same landmark.
 struct AddLandmark {
   static constexpr std::uint8_t kTag = 3;
-  static constexpr std::uint8_t kVersion = 1;
+  static constexpr std::uint8_t kVersion = 2;
   static constexpr std::string_view kName = "add_landmark";
 
   LandmarkId id;
   KeyframeId reference;
   std::uint32_t keypoint = 0;                                    // of the reference keyframe
   Eigen::Vector3d point_in_reference = Eigen::Vector3d::Zero();  // camera frame of the reference keyframe
+  ReferenceScale reference_scale = {};
 };
 
 Status Validate(const AddLandmark& edit, const Atlas& atlas);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/map/atlas_editor.h"
+#include "common/map/edits/reference_scale.h"
 #include "common/map/limits.h"
 #include "common/map/map_bytes.h"
 #include "common/map/spanning_tree.h"
@@ -12,11 +13,6 @@
 namespace pangaea {
 namespace {
 
-Rigid3d ScaleLengths(const Rigid3d& rigid, double scale) {
-  // A scale of one leaves every bit, also those of the rotation.
-  return Rigid3d::FromNormalized(rigid.rotation(), scale * rigid.translation()).value_or(rigid);
-}
-
 Status CheckAttachment(const Atlas& atlas, KeyframeId attachment, MapId map) {
   const Keyframe* keyframe = atlas.FindKeyframe(atlas.Resolve(attachment));
   if (keyframe != nullptr && keyframe->map == map) return {};
@@ -24,12 +20,13 @@ Status CheckAttachment(const Atlas& atlas, KeyframeId attachment, MapId map) {
 }
 
 Status CheckCoordinates(const Atlas& atlas, const MergeMaps& edit) {
-  const auto fits = [&](const Eigen::Vector3d& point) {
-    return (edit.survivor_from_absorbed * point).norm() <= kMaxCoordinate;
+  const auto fits = [&](const Keyframe& keyframe) {
+    const Eigen::Vector3d center = edit.survivor_from_absorbed * keyframe.camera_from_map.Inverse().translation();
+    return center.norm() <= kMaxCoordinate && IsTotalScale(edit.survivor_from_absorbed.scale() * keyframe.scale);
   };
   bool all_fit = true;
   for (const KeyframeId id : ParentsFirst(atlas, edit.absorbed)) {
-    all_fit = all_fit && fits(atlas.FindKeyframe(id)->camera_from_map.Inverse().translation());
+    all_fit = all_fit && fits(*atlas.FindKeyframe(id));
   }
   if (all_fit) return {};
   return Fail(ErrorCode::kInvalidArgument, "the merge takes map " + ToString(edit.absorbed) + " out of all bounds");
@@ -51,6 +48,8 @@ void TransformKeyframes(std::span<const KeyframeId> ids, const MergeMaps& edit, 
     Keyframe& keyframe = editor.WriteKeyframe(id);
     keyframe.map = edit.survivor;
     keyframe.camera_from_map = edit.survivor_from_absorbed.TransformCamera(keyframe.camera_from_map);
+    keyframe.scale *= scale;
+    if (edit.correction != 0) keyframe.corrected_at = edit.correction;
     if (!keyframe.frames || scale == 1.0) continue;
     auto frames = std::make_shared<std::vector<FramePose>>(*keyframe.frames);
     for (FramePose& frame : *frames) frame.reference_from_frame = ScaleLengths(frame.reference_from_frame, scale);
@@ -128,7 +127,7 @@ void ApplyValid(const MergeMaps& edit, AtlasEditor& editor) {
 }
 
 bool TouchesOnly(const MergeMaps& edit, SessionId session) {
-  return edit.survivor.session == session && edit.absorbed.session == session;
+  return edit.correction == 0 && edit.survivor.session == session && edit.absorbed.session == session;
 }
 
 void Encode(const MergeMaps& edit, MapWriter& writer) {
@@ -137,14 +136,16 @@ void Encode(const MergeMaps& edit, MapWriter& writer) {
   writer.WriteSimilarity(edit.survivor_from_absorbed);
   writer.WriteId(edit.absorbed_attachment);
   writer.WriteId(edit.survivor_attachment);
+  writer.bytes().Varint(edit.correction);
 }
 
-void Decode(MapReader& reader, std::uint8_t, MergeMaps& edit) {
+void Decode(MapReader& reader, std::uint8_t version, MergeMaps& edit) {
   edit.survivor = reader.ReadId<MapTag>();
   edit.absorbed = reader.ReadId<MapTag>();
   edit.survivor_from_absorbed = reader.ReadSimilarity();
   edit.absorbed_attachment = reader.ReadId<KeyframeTag>();
   edit.survivor_attachment = reader.ReadId<KeyframeTag>();
+  if (version >= 2) edit.correction = reader.bytes().Varint();
 }
 
 }  // namespace pangaea
