@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "agent/uplink/edit_packing.h"
+#include "common/map/map_edit.h"
 #include "common/wire/envelope.h"
 
 namespace pangaea {
@@ -30,6 +31,7 @@ Status EditStreamOptions::Check() const {
 
 Status EditStream::Take(std::shared_ptr<const Atlas> snapshot, std::span<const MapEdit> applied_since, PlanKind kind) {
   snapshot_ = std::move(snapshot);
+  own_edits_.clear();
   kind_ = kind;
   if (!repair_due()) return PlanAll(applied_since, options_.envelope_bytes);
   planner_.Note(*snapshot_, applied_since);
@@ -106,7 +108,13 @@ bool EditStream::CountRepair() {
 
 Status EditStream::PlanAll(std::span<const MapEdit> applied_since, std::size_t envelope_bytes) {
   UplinkPlan plan = planner_.Plan(*snapshot_, applied_since, kind_);
-  own_edits_ = std::move(plan.own_edits);
+  if (!plan.own_edits.empty()) {
+    // The agent will hold what it is asked to: a repair must not take it back.
+    Atlas adopted = *snapshot_;
+    for (const MapEdit& edit : plan.own_edits) (void)Apply(edit, adopted);
+    snapshot_ = std::make_shared<const Atlas>(std::move(adopted));
+  }
+  own_edits_.insert(own_edits_.end(), plan.own_edits.begin(), plan.own_edits.end());
   return Retain(plan.edits, envelope_bytes);
 }
 

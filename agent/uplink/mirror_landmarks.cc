@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "agent/uplink/mirror_update.h"
+#include "common/map/edits/point_form.h"
 
 namespace pangaea {
 namespace {
@@ -87,7 +88,7 @@ bool MirrorUpdate::AddLandmarkItself(const Landmark& wanted, std::set<LandmarkId
   const std::uint32_t keypoint = ObservationAt(wanted, wanted.reference)->keypoint;
   FreeKeypoint(wanted.reference, keypoint, wanted.id, landmarks);
   const Keyframe& reference = *mirror_.FindKeyframe(wanted.reference);
-  const Eigen::Vector3d point_in_reference = reference.camera_from_map * wanted.point_in_map;
+  const Eigen::Vector3d point_in_reference = QuantizePoint(reference.camera_from_map * wanted.point_in_map);
   return Emit(AddLandmark{wanted.id, wanted.reference, keypoint, point_in_reference, {reference.scale}});
 }
 

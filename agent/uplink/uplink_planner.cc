@@ -11,7 +11,9 @@ namespace {
 
 // What a flush leaves as it is although it differs: far above rounding, far below the digest's grid.
 constexpr double kSameLength = 1e-6;  // metres
-constexpr double kSameAngle = 1e-6;   // radians
+constexpr double kSamePoint = 2e-6;   // metres; edits carry points to within QuantizePoint
+constexpr double kSamePointFraction = 2e-7;
+constexpr double kSameAngle = 1e-6;  // radians
 
 template <typename... Cases>
 struct Overloaded : Cases... {
@@ -131,7 +133,7 @@ std::vector<KeyframeId> UplinkPlanner::Settled(const Atlas& snapshot, PlanKind k
 }
 
 MoveThresholds UplinkPlanner::Thresholds(PlanKind kind) const {
-  if (kind == PlanKind::kFlush) return {kSameLength, kSameAngle, kSameLength, 0.0, true};
+  if (kind == PlanKind::kFlush) return {kSameLength, kSameAngle, kSamePoint, kSamePointFraction, true};
   return {options_.keyframe_move_m, options_.keyframe_turn_deg * std::numbers::pi / 180.0, options_.landmark_move_m,
           options_.landmark_move_fraction, false};
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "common/map/edits/point_form.h"
 #include "common/map/limits.h"
 
 namespace pangaea {
@@ -84,7 +85,7 @@ MoveLandmarks MoveLandmarksTo(const Atlas& atlas,
     const Landmark* landmark = atlas.FindLandmark(id);
     if (landmark == nullptr) continue;
     const Keyframe& reference = *atlas.FindKeyframe(landmark->reference);
-    const Eigen::Vector3d point_in_reference = reference.camera_from_map * point;
+    const Eigen::Vector3d point_in_reference = QuantizePoint(reference.camera_from_map * point);
     if (point_in_reference.z() > 0.0 && point_in_reference.norm() <= kMaxLength) {
       edit.landmarks.push_back({id, point_in_reference, reference.id, {reference.scale}});
     }

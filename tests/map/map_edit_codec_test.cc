@@ -3,6 +3,7 @@
 #include <map>
 #include <random>
 
+#include "common/map/edits/point_form.h"
 #include "common/map/map_bytes.h"
 #include "common/map/map_edit.h"
 #include "tests/map/random_edits.h"
@@ -67,6 +68,23 @@ TEST(MapEditCodec, FieldsComeBackWithEveryBit) {
   EXPECT_EQ(moves.keyframes[0].reference_scale, ReferenceScale{2.5});
   EXPECT_EQ(moves.keyframes[0].scale, 1.25);
   EXPECT_EQ(std::get<MergeMaps>((*decoded)[11]).correction, 17u);
+}
+
+TEST(MapEditCodec, AQuantisedPointTakesHalfTheBytesAndEveryPointComesBackWithEveryBit) {
+  const Eigen::Vector3d point(1.23456789012345, -2.3456789, 5.6789012345);
+  const Eigen::Vector3d quantised = QuantizePoint(point);
+  EXPECT_LT((quantised - point).norm(), 1e-6);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(quantised[i], static_cast<double>(static_cast<float>(point[i])));
+  const auto come_back = [](const Eigen::Vector3d& sent, std::size_t& bytes) {
+    const MapEdit edit = AddLandmark{L(3), K(2), 4, sent};
+    const auto encoded = EncodeEdits(std::span(&edit, 1));
+    bytes = encoded.size();
+    return std::get<AddLandmark>(DecodeEdits(encoded)->front()).point_in_reference;
+  };
+  std::size_t full = 0, compact = 0;
+  EXPECT_EQ(come_back(point, full), point);
+  EXPECT_EQ(come_back(quantised, compact), quantised);
+  EXPECT_EQ(compact + 12, full);
 }
 
 // Journals written before edits had references, scales and corrections.

@@ -1,6 +1,7 @@
 #include "common/map/edits/add_landmark.h"
 
 #include "common/map/atlas_editor.h"
+#include "common/map/edits/point_form.h"
 #include "common/map/map_bytes.h"
 #include "common/map/validation.h"
 
@@ -34,7 +35,7 @@ void Encode(const AddLandmark& edit, MapWriter& writer) {
   writer.WriteId(edit.id);
   writer.WriteId(edit.reference);
   writer.bytes().Varint(edit.keypoint);
-  writer.WritePoint(edit.point_in_reference);
+  WriteCompactPoint(edit.point_in_reference, writer);
   WriteScale(edit.reference_scale, writer);
 }
 
@@ -42,7 +43,7 @@ void Decode(MapReader& reader, std::uint8_t version, AddLandmark& edit) {
   edit.id = reader.ReadId<LandmarkTag>();
   edit.reference = reader.ReadId<KeyframeTag>();
   edit.keypoint = reader.ReadCounter();
-  edit.point_in_reference = reader.ReadPoint();
+  edit.point_in_reference = version >= 2 ? ReadCompactPoint(reader) : reader.ReadPoint();
   if (version >= 2) edit.reference_scale = ReadScale(reader);
 }
 

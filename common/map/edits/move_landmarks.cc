@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "common/map/atlas_editor.h"
+#include "common/map/edits/point_form.h"
 #include "common/map/map_bytes.h"
 #include "common/map/validation.h"
 
@@ -53,18 +54,18 @@ void Encode(const MoveLandmarks& edit, MapWriter& writer) {
   writer.bytes().Varint(edit.landmarks.size());
   for (const MovedLandmark& moved : edit.landmarks) {
     writer.WriteId(moved.id);
-    writer.WritePoint(moved.point_in_reference);
+    WriteCompactPoint(moved.point_in_reference, writer);
     writer.WriteId(moved.reference);
     WriteScale(moved.reference_scale, writer);
   }
 }
 
 void Decode(MapReader& reader, std::uint8_t version, MoveLandmarks& edit) {
-  constexpr std::size_t kMinBytes = 1 + 3 * sizeof(double);
+  constexpr std::size_t kMinBytes = 1 + 3 * sizeof(float);
   edit.landmarks.resize(reader.bytes().Count(kMinBytes));
   for (MovedLandmark& moved : edit.landmarks) {
     moved.id = reader.ReadId<LandmarkTag>();
-    moved.point_in_reference = reader.ReadPoint();
+    moved.point_in_reference = version >= 2 ? ReadCompactPoint(reader) : reader.ReadPoint();
     if (version < 2) continue;
     moved.reference = reader.ReadId<KeyframeTag>();
     moved.reference_scale = ReadScale(reader);
