@@ -18,11 +18,6 @@ bool IsOld(const Landmark& landmark, const Keyframe& keyframe, const LandmarkSea
   return newest.session != keyframe.id.session || newest.counter + options.old_after < keyframe.id.counter;
 }
 
-struct Query {
-  LandmarkId landmark;
-  bool old = false;
-};
-
 ProjectionQuery MakeProjectionQuery(const Atlas& atlas, const PredictedView& view, double radius, int tolerance) {
   const Features& features = atlas.FindKeyframe(view.nearest.keyframe)->data->features;
   const double scaled = radius * OctaveSigma(std::clamp(view.octave, 0, kOctaves - 1));
@@ -52,7 +47,8 @@ bool ExplainsObservations(const Atlas& atlas, const Eigen::Vector3d& point_in_ma
   });
 }
 
-// Whether some keyframe sees the two at pixels further apart than one corner can be.
+}  // namespace
+
 bool SeenApart(const Atlas& atlas, const Landmark& a, const Landmark& b) {
   constexpr double kSameCorner = 2.0;  // octave pixels: detections of one corner on neighbouring octaves differ by less
   auto second = b.observations.begin();
@@ -68,8 +64,6 @@ bool SeenApart(const Atlas& atlas, const Landmark& a, const Landmark& b) {
   return false;
 }
 
-}  // namespace
-
 std::optional<MapEdit> FuseIfTheyAgree(const Atlas& atlas, const Landmark& a, const Landmark& b, double gate) {
   const bool keep_a =
       a.observations.size() != b.observations.size() ? a.observations.size() > b.observations.size() : a.id < b.id;
@@ -81,12 +75,13 @@ std::optional<MapEdit> FuseIfTheyAgree(const Atlas& atlas, const Landmark& a, co
   return FuseLandmarks{.kept = kept.id, .absorbed = absorbed.id};
 }
 
-std::vector<MapEdit> SearchLandmarks(const Atlas& atlas, const Keyframe& keyframe,
-                                     const std::vector<LandmarkId>& wanted, const LandmarkSearchOptions& options) {
+std::vector<LandmarkSighting> FindLandmarks(const Atlas& atlas, const Keyframe& keyframe,
+                                            const std::vector<LandmarkId>& wanted,
+                                            const LandmarkSearchOptions& options) {
   const Viewpoint viewpoint(keyframe);
   const Features& features = keyframe.data->features;
   const std::set<LandmarkId> observed(keyframe.landmarks.begin(), keyframe.landmarks.end());
-  std::vector<Query> queries;
+  std::vector<LandmarkSighting> queries;
   std::vector<ProjectionQuery> projections;
   for (const LandmarkId id : wanted) {
     if (observed.contains(id)) continue;
@@ -94,24 +89,33 @@ std::vector<MapEdit> SearchLandmarks(const Atlas& atlas, const Keyframe& keyfram
     const auto view = PredictView(atlas, landmark, viewpoint, options.max_view_angle);
     if (!view) continue;
     const bool old = IsOld(landmark, keyframe, options);
-    queries.push_back({.landmark = id, .old = old});
+    queries.push_back({.landmark = id, .keypoint = 0, .old = old});
     projections.push_back(
         MakeProjectionQuery(atlas, *view, old ? options.old_radius : options.radius, options.octave_tolerance));
   }
 
   const FeatureGrid grid(features.keypoints);
   const MatchOptions match_options{.max_distance = options.max_distance, .max_ratio = options.max_ratio};
-  std::vector<MapEdit> edits;
+  std::vector<LandmarkSighting> sightings;
   for (const Match& match : MatchByProjection(projections, grid, features.descriptors, match_options)) {
-    const Query& query = queries[match.query];
-    const LandmarkId present = keyframe.landmarks[match.train];
+    sightings.push_back(queries[match.query]);
+    sightings.back().keypoint = match.train;
+  }
+  return sightings;
+}
+
+std::vector<MapEdit> SearchLandmarks(const Atlas& atlas, const Keyframe& keyframe,
+                                     const std::vector<LandmarkId>& wanted, const LandmarkSearchOptions& options) {
+  std::vector<MapEdit> edits;
+  for (const LandmarkSighting& sighting : FindLandmarks(atlas, keyframe, wanted, options)) {
+    const LandmarkId present = keyframe.landmarks[sighting.keypoint];
     if (!present.valid()) {
-      edits.push_back(AddObservation{.landmark = query.landmark, .keyframe = keyframe.id, .keypoint = match.train});
+      edits.push_back(AddObservation{sighting.landmark, keyframe.id, sighting.keypoint});
       continue;
     }
     const Landmark& other = *atlas.FindLandmark(present);
-    const double gate = query.old || IsOld(other, keyframe, options) ? options.old_radius : options.fusion_gate;
-    auto fusion = FuseIfTheyAgree(atlas, *atlas.FindLandmark(query.landmark), other, gate);
+    const double gate = sighting.old || IsOld(other, keyframe, options) ? options.old_radius : options.fusion_gate;
+    auto fusion = FuseIfTheyAgree(atlas, *atlas.FindLandmark(sighting.landmark), other, gate);
     if (fusion) edits.push_back(std::move(*fusion));
   }
   return edits;

@@ -30,6 +30,22 @@ struct LandmarkSearchOptions {
   int octave_tolerance = 1;
 };
 
+// A landmark that seems to be seen at a keypoint.
+struct LandmarkSighting {
+  LandmarkId landmark;
+  std::uint32_t keypoint = 0;
+  bool old = false;  // not seen for long before, see LandmarkSearchOptions
+};
+
+// Looks for the landmarks (`wanted`, each once) among the keypoints of `keyframe`, by projection and descriptor. Each
+// landmark and each keypoint occurs once. Landmarks that the keyframe observes already are passed over.
+std::vector<LandmarkSighting> FindLandmarks(const Atlas& atlas, const Keyframe& keyframe,
+                                            const std::vector<LandmarkId>& wanted,
+                                            const LandmarkSearchOptions& options);
+
+// Whether some keyframe sees the two at pixels further apart than one corner can be.
+bool SeenApart(const Atlas& atlas, const Landmark& a, const Landmark& b);
+
 // Looks for the landmarks (`wanted`, each once) among the keypoints of `keyframe` and says what follows: a keypoint
 // without a landmark is a new observation; one that shows another landmark makes the two one, if they agree
 // geometrically. Landmarks that the keyframe observes already are passed over. Each landmark and each keypoint is

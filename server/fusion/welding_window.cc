@@ -1,6 +1,7 @@
 #include "server/fusion/welding_window.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -57,18 +58,36 @@ std::vector<KeyframeId> OuterRing(const Atlas& atlas, const WeldingWindow& windo
   return ring;
 }
 
-void FixGauge(const Atlas& atlas, const Seam& seam, WeldingWindow& window) {
-  const KeyframeId root = atlas.FindMap(seam.kept_map)->root;
-  const auto is_fixed = [&](KeyframeId id) {
-    return std::find(window.fixed.begin(), window.fixed.end(), id) != window.fixed.end();
-  };
-  const bool root_is_near = std::find(window.kept.begin(), window.kept.end(), root) != window.kept.end();
-  if (root_is_near && !is_fixed(root)) window.fixed.push_back(root);
-  // One pose leaves the scale free. The farthest keyframes of the side are the ones that the seam needs least.
-  const std::size_t needed = seam.scale_free ? 2 : 1;
-  for (auto id = window.kept.rbegin(); id != window.kept.rend() && window.fixed.size() < needed; ++id) {
-    if (!is_fixed(*id)) window.fixed.push_back(*id);
+// The keyframe of the kept side that is farthest from the fixed ones; none where all are fixed.
+KeyframeId FarthestFromFixed(const Atlas& atlas, const WeldingWindow& window) {
+  const auto center = [&](KeyframeId id) { return atlas.FindKeyframe(id)->camera_from_map.Inverse().translation(); };
+  KeyframeId farthest;
+  double largest = -1.0;
+  for (const KeyframeId id : window.kept) {
+    double nearest = std::numeric_limits<double>::max();
+    for (const KeyframeId fixed : window.fixed) {
+      nearest = fixed == id ? -1.0 : std::min(nearest, (center(id) - center(fixed)).norm());
+      if (fixed == id) break;
+    }
+    if (nearest > largest) {
+      largest = nearest;
+      farthest = id;
+    }
   }
+  return farthest;
+}
+
+void FixGauge(const Atlas& atlas, const Seam& seam, WeldingWindow& window) {
+  const auto contains = [](const std::vector<KeyframeId>& list, KeyframeId id) {
+    return std::find(list.begin(), list.end(), id) != list.end();
+  };
+  const KeyframeId root = atlas.FindMap(seam.kept_map)->root;
+  if (contains(window.kept, root)) window.fixed.push_back(root);
+  if (window.fixed.empty()) window.fixed.push_back(window.kept.back());
+  // One pose leaves the scale free. The farther apart the two, the less their own errors bend it.
+  if (!seam.scale_free || window.fixed.size() > 1) return;
+  const KeyframeId second = FarthestFromFixed(atlas, window);
+  if (second.valid()) window.fixed.push_back(second);
 }
 
 }  // namespace

@@ -88,6 +88,13 @@ MergeMaps RandomEdits::MakeMerge(const Atlas& atlas) {
   return {survivor->map, absorbed->map, motion, absorbed->id, survivor->id, Below(2) == 0 ? ++corrections_ : 0};
 }
 
+void RandomEdits::Adopt(const Atlas& atlas) {
+  atlas.ForEachKeyframe([&](const Keyframe& keyframe) { keyframes_.push_back(keyframe.id); });
+  atlas.ForEachLandmark([&](const Landmark& landmark) { landmarks_.push_back(landmark.id); });
+  const std::vector<MapId> maps = atlas.Maps();
+  maps_.insert(maps_.end(), maps.begin(), maps.end());
+}
+
 MapEdit RandomEdits::Next(const Atlas& atlas) {
   const std::uint32_t draw = Below(100);
   if (keyframes_.empty() || draw < 15) return MakeKeyframe(atlas);

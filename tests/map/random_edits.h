@@ -14,6 +14,8 @@ class RandomEdits {
  public:
   explicit RandomEdits(std::uint64_t seed) : random_(seed) {}
   MapEdit Next(const Atlas& atlas);
+  // From now on also about what lives in this atlas.
+  void Adopt(const Atlas& atlas);
 
  private:
   std::uint32_t Below(std::uint32_t bound) { return static_cast<std::uint32_t>(random_() % bound); }

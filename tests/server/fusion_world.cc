@@ -17,13 +17,13 @@ Similarity3d RandomFrame(std::uint64_t seed, double scale) {
   return Similarity3d(scale, rigid.rotation(), 3.0 * rigid.translation());
 }
 
-SurveyedWorld TwoMaps(std::uint64_t seed, const SurveyOptions& newer) {
+SurveyedWorld TwoMaps(std::uint64_t seed, const SurveyOptions& newer, const SurveyOptions& older) {
   SurveyedWorld world(seed);
-  SurveyOptions first;
-  first.map_from_world = RandomFrame(seed);
+  SurveyOptions first = older;
+  first.map_from_world = RandomFrame(seed, older.map_from_world.scale());
   world.Fly(kOlder, CirclePoses(0, 11, 40), first);
   SurveyOptions second = newer;
-  second.stamp_ns = 1'000'000'000'000;
+  second.stamp_ns += 1'000'000'000'000;
   second.map_from_world = RandomFrame(seed + 100, newer.map_from_world.scale());
   world.Fly(kNewer, CirclePoses(6, 17, 40), second);
   return world;
@@ -48,15 +48,15 @@ void Carry(const WeldingPlan& plan, Atlas& atlas) {
   }
 }
 
-double WorstError(const SurveyedWorld& world, const Atlas& atlas, const std::vector<KeyframeId>& keyframes) {
+double WorstError(const SurveyedWorld& world, const Atlas& atlas, const std::vector<KeyframeId>& keyframes,
+                  double scale) {
   const KeyframeId first = keyframes.front();
-  const Rigid3d map_from_world =
-      atlas.FindKeyframe(first)->camera_from_map.Inverse() * world.TrueCameraFromWorld(first);
+  const Rigid3d map_from_first = atlas.FindKeyframe(first)->camera_from_map.Inverse();
   double worst = 0.0;
   for (const KeyframeId id : keyframes) {
-    const Rigid3d map_from_truth = map_from_world * world.TrueCameraFromWorld(id).Inverse();
-    const Rigid3d map_from_camera = atlas.FindKeyframe(id)->camera_from_map.Inverse();
-    worst = std::max(worst, (map_from_camera.translation() - map_from_truth.translation()).norm());
+    const Rigid3d first_from_camera = world.TrueCameraFromWorld(first) * world.TrueCameraFromWorld(id).Inverse();
+    const Eigen::Vector3d truth = map_from_first * (scale * first_from_camera.translation());
+    worst = std::max(worst, (atlas.FindKeyframe(id)->camera_from_map.Inverse().translation() - truth).norm());
   }
   return worst;
 }
