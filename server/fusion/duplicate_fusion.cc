@@ -2,102 +2,78 @@
 
 #include <algorithm>
 #include <iterator>
-#include <optional>
-#include <unordered_set>
 
-#include "common/geometry/triangulation.h"
 #include "common/map/covisibility.h"
-#include "common/mapping/landmark_search.h"
 #include "common/mapping/measurement_noise.h"
 
 namespace pangaea {
-namespace {
+DuplicateFusion::DuplicateFusion(const std::vector<KeyframeId>& trusted, const LandmarkSearchOptions& options,
+                                 WeldingDraft& draft)
+    : trusted_(trusted.begin(), trusted.end()), options_(options), draft_(draft), atlas_(draft.welded()) {}
 
-// One pass over the seam.
-class Fusing {
- public:
-  Fusing(const WeldingWindow& window, const LandmarkSearchOptions& options, WeldingDraft& draft)
-      : window_(window), options_(options), draft_(draft), atlas_(draft.welded()) {
-    for (const auto* part : {&window.kept, &window.moved, &window.fixed}) inside_.insert(part->begin(), part->end());
-  }
+void DuplicateFusion::FusePairs(const std::vector<std::pair<LandmarkId, LandmarkId>>& pairs) {
+  for (const auto& [a, b] : pairs) FuseIfOnePoint(atlas_.Resolve(a), atlas_.Resolve(b));
+}
 
-  void FusePairs(const std::vector<std::pair<LandmarkId, LandmarkId>>& pairs) {
-    for (const auto& [a, b] : pairs) FuseIfOnePoint(atlas_.Resolve(a), atlas_.Resolve(b));
-  }
-
-  void SearchBothSides() {
-    for (const KeyframeId id : window_.kept) SearchIn(id, window_.moved);
-    for (const KeyframeId id : window_.moved) SearchIn(id, window_.kept);
-  }
-
- private:
-  void SearchIn(KeyframeId id, const std::vector<KeyframeId>& other_side) {
-    // Anew for each keyframe: the one before may have fused some of them.
-    const std::vector<LandmarkId> wanted = LandmarksSeenBy(atlas_, other_side);
-    const Keyframe keyframe = *atlas_.FindKeyframe(id);
-    for (const LandmarkSighting& sighting : FindLandmarks(atlas_, keyframe, wanted, options_)) {
-      const LandmarkId present = keyframe.landmarks[sighting.keypoint];
-      if (present.valid()) {
-        FuseIfOnePoint(atlas_.Resolve(sighting.landmark), atlas_.Resolve(present));
-      } else {
-        draft_.Change(AddObservation{atlas_.Resolve(sighting.landmark), id, sighting.keypoint});
-      }
+void DuplicateFusion::SearchIn(KeyframeId id, const std::vector<KeyframeId>& others) {
+  // Anew for each keyframe: the one before may have fused some of them.
+  const std::vector<LandmarkId> wanted = LandmarksSeenBy(atlas_, others);
+  const Keyframe keyframe = *atlas_.FindKeyframe(id);
+  for (const LandmarkSighting& sighting : FindLandmarks(atlas_, keyframe, wanted, options_)) {
+    const LandmarkId present = keyframe.landmarks[sighting.keypoint];
+    if (present.valid()) {
+      FuseIfOnePoint(atlas_.Resolve(sighting.landmark), atlas_.Resolve(present));
+    } else {
+      draft_.Change(AddObservation{atlas_.Resolve(sighting.landmark), id, sighting.keypoint});
     }
   }
+}
 
-  // The one with more observations is kept, of equals the older.
-  void FuseIfOnePoint(LandmarkId a, LandmarkId b) {
-    if (!a.valid() || !b.valid() || a == b) return;
-    const std::size_t of_a = atlas_.FindLandmark(a)->observations.size();
-    const std::size_t of_b = atlas_.FindLandmark(b)->observations.size();
-    const bool keep_a = of_a != of_b ? of_a > of_b : a < b;
-    const FuseLandmarks fusion{.kept = keep_a ? a : b, .absorbed = keep_a ? b : a};
-    const auto point = CommonPoint(*atlas_.FindLandmark(fusion.kept), *atlas_.FindLandmark(fusion.absorbed));
-    if (!point) return;
-    draft_.Change(fusion);
-    draft_.Move({}, {{fusion.kept, *point}});
+// The one with more observations is kept, of equals the older.
+void DuplicateFusion::FuseIfOnePoint(LandmarkId a, LandmarkId b) {
+  if (!a.valid() || !b.valid() || a == b) return;
+  const std::size_t of_a = atlas_.FindLandmark(a)->observations.size();
+  const std::size_t of_b = atlas_.FindLandmark(b)->observations.size();
+  const bool keep_a = of_a != of_b ? of_a > of_b : a < b;
+  const FuseLandmarks fusion{.kept = keep_a ? a : b, .absorbed = keep_a ? b : a};
+  const auto point = CommonPoint(*atlas_.FindLandmark(fusion.kept), *atlas_.FindLandmark(fusion.absorbed));
+  if (!point) return;
+  draft_.Change(fusion);
+  draft_.Move({}, {{fusion.kept, *point}});
+}
+
+// Asking instead that the position of each explains the other would keep apart what the one side saw from near and the
+// other, without knowing its depth, from far away.
+std::optional<Eigen::Vector3d> DuplicateFusion::CommonPoint(const Landmark& kept, const Landmark& absorbed) const {
+  if (SeenApart(atlas_, kept, absorbed)) return std::nullopt;
+  std::vector<PointView> views;
+  AddViews(kept, views);
+  AddViews(absorbed, views);
+  const auto refined = RefinePoint(views, kept.point_in_map);
+  if (!refined || refined->worst_chi2 > options_.fusion_gate * options_.fusion_gate) return std::nullopt;
+  return refined->point_in_map;
+}
+
+void DuplicateFusion::AddViews(const Landmark& landmark, std::vector<PointView>& views) const {
+  for (const Observation& observation : landmark.observations) {
+    if (!trusted_.empty() && !trusted_.contains(observation.keyframe)) continue;
+    const Keyframe& keyframe = *atlas_.FindKeyframe(observation.keyframe);
+    const Keypoint& keypoint = keyframe.data->features.keypoints[observation.keypoint];
+    views.push_back({.camera = keyframe.data->camera,
+                     .camera_from_map = keyframe.camera_from_map,
+                     .measurement = MeasurementOf(keypoint),
+                     .inverse_sigma = 1.0 / OctaveSigma(keypoint.octave)});
   }
-
-  // The point that lies within the gate of wherever one of the two was seen, if there is one. Asking instead that each
-  // explains the other would keep apart what the one side saw from near and the other, without knowing its depth, from
-  // far away.
-  std::optional<Eigen::Vector3d> CommonPoint(const Landmark& kept, const Landmark& absorbed) const {
-    if (SeenApart(atlas_, kept, absorbed)) return std::nullopt;
-    std::vector<PointView> views;
-    AddViews(kept, views);
-    AddViews(absorbed, views);
-    const auto refined = RefinePoint(views, kept.point_in_map);
-    if (!refined || refined->worst_chi2 > options_.fusion_gate * options_.fusion_gate) return std::nullopt;
-    return refined->point_in_map;
-  }
-
-  // From the window alone: what lies beyond the moved side of a loop is where it drifted to.
-  void AddViews(const Landmark& landmark, std::vector<PointView>& views) const {
-    for (const Observation& observation : landmark.observations) {
-      if (!inside_.contains(observation.keyframe)) continue;
-      const Keyframe& keyframe = *atlas_.FindKeyframe(observation.keyframe);
-      const Keypoint& keypoint = keyframe.data->features.keypoints[observation.keypoint];
-      views.push_back({.camera = keyframe.data->camera,
-                       .camera_from_map = keyframe.camera_from_map,
-                       .measurement = MeasurementOf(keypoint),
-                       .inverse_sigma = 1.0 / OctaveSigma(keypoint.octave)});
-    }
-  }
-
-  const WeldingWindow& window_;
-  const LandmarkSearchOptions& options_;
-  WeldingDraft& draft_;
-  const Atlas& atlas_;  // the draft's, as it becomes
-  std::unordered_set<KeyframeId> inside_;
-};
-
-}  // namespace
+}
 
 void FuseAcrossSeam(const WeldingWindow& window, const std::vector<std::pair<LandmarkId, LandmarkId>>& pairs,
                     const LandmarkSearchOptions& options, WeldingDraft& draft) {
-  Fusing fusing(window, options, draft);
-  fusing.FusePairs(pairs);
-  fusing.SearchBothSides();
+  std::vector<KeyframeId> trusted = window.kept;
+  for (const auto* part : {&window.moved, &window.fixed}) trusted.insert(trusted.end(), part->begin(), part->end());
+  DuplicateFusion fusion(trusted, options, draft);
+  fusion.FusePairs(pairs);
+  for (const KeyframeId id : window.kept) fusion.SearchIn(id, window.moved);
+  for (const KeyframeId id : window.moved) fusion.SearchIn(id, window.kept);
 }
 
 std::vector<LandmarkId> CommonLandmarks(const Atlas& atlas, const WeldingWindow& window) {

@@ -1,18 +1,45 @@
 #pragma once
 
-#include <cstddef>
+#include <Eigen/Core>
+#include <optional>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
+#include "common/geometry/triangulation.h"
+#include "common/mapping/landmark_search.h"
 #include "server/fusion/welding_draft.h"
 #include "server/fusion/welding_window.h"
 
 namespace pangaea {
 
-// Makes of both sides' landmarks one set (Elvira et al. 2019, section "Seamless map merging", step 3). First the pairs
-// that are known to be the same, then the landmarks of each side are looked for in the keyframes of the other: new
-// observations, and duplicates that become one. Two are fused where they agree geometrically: one point lies within
-// options.fusion_gate octave pixels of wherever keyframes of the window saw them. It becomes the position.
+// Makes one landmark of several that are one point. Two are fused where they agree geometrically: one point lies within
+// options.fusion_gate octave pixels of wherever keyframes saw them. It becomes the position.
+class DuplicateFusion {
+ public:
+  // Only the views of `trusted` keyframes count in that; of all where it is empty. Changes the draft, which has to
+  // outlive this.
+  DuplicateFusion(const std::vector<KeyframeId>& trusted, const LandmarkSearchOptions& options, WeldingDraft& draft);
+
+  // Pairs that are known to show the same.
+  void FusePairs(const std::vector<std::pair<LandmarkId, LandmarkId>>& pairs);
+  // Looks for the landmarks that others see in a keyframe: new observations, and duplicates that become one.
+  void SearchIn(KeyframeId id, const std::vector<KeyframeId>& others);
+
+ private:
+  void FuseIfOnePoint(LandmarkId a, LandmarkId b);
+  std::optional<Eigen::Vector3d> CommonPoint(const Landmark& kept, const Landmark& absorbed) const;
+  void AddViews(const Landmark& landmark, std::vector<PointView>& views) const;
+
+  const std::unordered_set<KeyframeId> trusted_;
+  const LandmarkSearchOptions options_;
+  WeldingDraft& draft_;
+  const Atlas& atlas_;  // the draft's, as it becomes
+};
+
+// Makes of both sides' landmarks one set (Elvira et al. 2019, section "Seamless map merging", step 3): first the pairs
+// of the match, then the landmarks of each side are looked for in the keyframes of the other. What lies beyond the
+// moved side of a loop is where it drifted to: its views do not count.
 void FuseAcrossSeam(const WeldingWindow& window, const std::vector<std::pair<LandmarkId, LandmarkId>>& pairs,
                     const LandmarkSearchOptions& options, WeldingDraft& draft);
 

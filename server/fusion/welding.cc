@@ -32,7 +32,8 @@ class Welding {
         options_(options),
         stop_(std::move(stop)),
         window_(GrowWeldingWindow(snapshot, seam, options.window)),
-        draft_(snapshot) {}
+        draft_(snapshot),
+        before_seam_(snapshot) {}
 
   WeldingOutcome Run(const PlaceEvidence& match) {
     evidence_.match = match;
@@ -80,6 +81,7 @@ class Welding {
                               .survivor_from_absorbed = seam_.kept_from_moved,
                               .absorbed_attachment = seam_.moved,
                               .survivor_attachment = seam_.kept});
+      before_seam_ = draft_.welded();
       return;
     }
     // What the kept side sees as well holds both together already and stays.
@@ -101,6 +103,13 @@ class Welding {
     return std::nullopt;
   }
 
+  std::map<KeyframeId, double> Held(const Correction& correction) const {
+    std::map<KeyframeId, double> held;
+    for (const KeyframeId id : window_.fixed) held.emplace(id, 1.0);
+    for (const CorrectedKeyframe& keyframe : correction.keyframes) held.emplace(keyframe.id, keyframe.scale);
+    return held;
+  }
+
   WeldingOutcome Finish() {
     const Keyframe& kept = *draft_.welded().FindKeyframe(seam_.kept);
     const Keyframe& moved = *draft_.welded().FindKeyframe(seam_.moved);
@@ -112,12 +121,15 @@ class Welding {
       evidence_.added += std::holds_alternative<AddObservation>(edit) ? 1 : 0;
       evidence_.removed += std::holds_alternative<RemoveObservation>(edit) ? 1 : 0;
     }
+    Correction correction = draft_.Moves(seam_.kept_map);
     return WeldingPlan{.kept = seam_.kept,
                        .moved = seam_.moved,
                        .map = seam_.kept_map,
                        .absorbed = seam_.is_merge() ? seam_.moved_map : MapId{},
                        .edits = draft_.edits(),
-                       .correction = draft_.Moves(seam_.kept_map),
+                       .correction = correction,
+                       .before_seam = before_seam_,
+                       .held = Held(correction),
                        .evidence = evidence_};
   }
 
@@ -127,6 +139,7 @@ class Welding {
   std::stop_token stop_;
   const WeldingWindow window_;
   WeldingDraft draft_;
+  Atlas before_seam_;
   WeldingEvidence evidence_;
 };
 

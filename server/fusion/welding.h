@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -57,11 +58,15 @@ struct WeldingPlan {
   // removals, none of which moves anything, and the loop edge between the ends. Its motion is the welded one: between
   // poses as corrected, in lengths as corrected, scale 1.
   std::vector<MapEdit> edits;
-  // The keyframes of the window, fixed ones left out, and their landmarks; base: the snapshot with the edits. Of a
-  // loop, the window around the moved end lies where the seam wants it and the rest of the map does not know yet: a
-  // pose graph has to follow, in which the corrected poses hold. (In the base, covisibility across the seam says
-  // nothing about relative poses.)
+  // The keyframes of the window, fixed ones left out, and their landmarks; base: the snapshot with the edits.
   Correction correction;
+  // For the pose graph that takes the correction on to the rest of the map. (Of a loop it has to: the window around the
+  // moved end lies where the seam wants it, and what hangs on it does not know yet.) The map before the seam, of a
+  // merge with both maps in one frame: from its poses and its covisibility, not from the base's, whose covisibility
+  // reaches across the seam. And the keyframes of the window with those that held it, which have to stay where the
+  // correction has them, each with the factor by which lengths around it were multiplied.
+  Atlas before_seam;
+  std::map<KeyframeId, double> held;
   WeldingEvidence evidence;
 
   bool is_merge() const { return absorbed.valid(); }
