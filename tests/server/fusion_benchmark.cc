@@ -1,0 +1,81 @@
+#include <benchmark/benchmark.h>
+
+#include "common/base/check.h"
+#include "server/fusion/map_fusion.h"
+#include "server/fusion/redundancy.h"
+#include "tests/server/fusion_world.h"
+
+namespace pangaea::testing {
+namespace {
+
+constexpr int kLap = 125;
+
+// Two maps of so many keyframes each, of some 900 keypoints and 400 landmarks, that show the same room.
+SurveyedWorld TwoLargeMaps(int keyframes) {
+  SurveyedWorld world(1, 14000);
+  SurveyOptions first;
+  first.mapped = 0.45;
+  world.Fly(kOlder, CirclePoses(0, keyframes - 1, kLap), first);
+  SurveyOptions second = first;
+  second.stamp_ns = 1'000'000'000'000'000;
+  second.map_from_world = RandomFrame(7);
+  world.Fly(kNewer, CirclePoses(0, keyframes - 1, kLap), second);
+  return world;
+}
+
+PlaceMatch MatchInTheMiddle(const SurveyedWorld& world) {
+  const std::size_t middle = world.KeyframesOf(kOlder).size() / 2;
+  return world.TrueMatch(world.KeyframesOf(kNewer)[middle], world.KeyframesOf(kOlder)[middle]);
+}
+
+// From the verified match to edits and correction.
+void PlanMerge(benchmark::State& state) {
+  const SurveyedWorld world = TwoLargeMaps(static_cast<int>(state.range(0)));
+  const PlaceMatch match = MatchInTheMiddle(world);
+  for (auto _ : state) {
+    const WeldingOutcome plan = PlanWelding(world.atlas, match, {}, {});
+    PANGAEA_CHECK(plan.has_value());
+    state.counters["window"] = static_cast<double>(plan->evidence.window_keyframes);
+    state.counters["observations"] = static_cast<double>(plan->evidence.after.observations);
+    state.counters["fused"] = static_cast<double>(plan->evidence.fused);
+  }
+}
+BENCHMARK(PlanMerge)->Arg(25)->Arg(250)->Unit(benchmark::kMillisecond);
+
+// What the owner of the atlas does with it.
+void CarryMerge(benchmark::State& state) {
+  const SurveyedWorld world = TwoLargeMaps(static_cast<int>(state.range(0)));
+  const WeldingOutcome plan = PlanWelding(world.atlas, MatchInTheMiddle(world), {}, {});
+  PANGAEA_CHECK(plan.has_value());
+  for (auto _ : state) {
+    Atlas atlas = world.atlas;
+    ApplyTolerantly(plan->edits, atlas);
+    for (const MapEdit& edit : Rebase(plan->correction, atlas)) PANGAEA_CHECK(Apply(edit, atlas).has_value());
+  }
+}
+BENCHMARK(CarryMerge)->Arg(250)->Unit(benchmark::kMillisecond);
+
+// For each keyframe of the absorbed map.
+void FuseAllOfTheMap(benchmark::State& state) {
+  const SurveyedWorld world = TwoLargeMaps(static_cast<int>(state.range(0)));
+  Atlas atlas = world.atlas;
+  const WeldingOutcome plan = PlanWelding(atlas, MatchInTheMiddle(world), {}, {});
+  PANGAEA_CHECK(plan.has_value());
+  Carry(*plan, atlas);
+  for (auto _ : state) {
+    const MapFusion fusion = FuseDuplicates(atlas, plan->map, world.KeyframesOf(kNewer), {}, {});
+    state.counters["fused"] = static_cast<double>(fusion.fused);
+  }
+}
+BENCHMARK(FuseAllOfTheMap)->Arg(250)->Unit(benchmark::kMillisecond);
+
+void CullRedundant(benchmark::State& state) {
+  const SurveyedWorld world = TwoLargeMaps(static_cast<int>(state.range(0)));
+  for (auto _ : state) {
+    state.counters["edits"] = static_cast<double>(PlanCulling(world.atlas, {}, {}, {}).size());
+  }
+}
+BENCHMARK(CullRedundant)->Arg(250)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace pangaea::testing
