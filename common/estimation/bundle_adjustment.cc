@@ -92,7 +92,8 @@ std::vector<std::uint8_t> FindInliers(const BundleProblem& problem, const Bundle
 }
 
 PhaseOutcome RunPhase(const BundlePhase& phase, BundleState& state) {
-  return phase.options.solver == BundleSolver::kLocal ? RunLocalPhase(phase, state) : RunCeresPhase(phase, state);
+  const bool own = phase.options.solver == BundleSolver::kLocal || phase.options.solver == BundleSolver::kSparse;
+  return own ? RunLocalPhase(phase, state) : RunCeresPhase(phase, state);
 }
 
 }  // namespace

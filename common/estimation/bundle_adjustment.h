@@ -42,6 +42,8 @@ struct BundleProblem {
 enum class BundleSolver {
   // Our own Levenberg-Marquardt on the dense Schur complement: the fastest up to some 60 free poses. One thread.
   kLocal,
+  // The same on the sparse Schur complement, factored by CHOLMOD: for maps of thousands of poses. One thread.
+  kSparse,
   // Ceres, for larger problems: `threads` and `max_seconds` apply.
   kDenseSchur,
   kSparseSchur,
@@ -59,7 +61,7 @@ struct BundleOptions {
   int iterations_without_outliers = 0;
   double cost_tolerance = 1e-6;  // a phase ends when a step lowers the cost by less than this, relatively
   int threads = 1;               // Ceres only
-  double max_seconds = 0.0;      // Ceres only, per phase; 0: no limit. kLocal reads no clock.
+  double max_seconds = 0.0;      // Ceres only, per phase; 0: no limit. The others read no clock.
   std::stop_token stop;          // looked at after every step; the best state so far is returned
 
   Status Check() const;

@@ -20,6 +20,7 @@ ceres::LinearSolverType LinearSolver(BundleSolver solver) {
       return ceres::ITERATIVE_SCHUR;
     case BundleSolver::kDenseSchur:
     case BundleSolver::kLocal:
+    case BundleSolver::kSparse:
       break;
   }
   return ceres::DENSE_SCHUR;

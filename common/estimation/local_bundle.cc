@@ -1,4 +1,3 @@
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -7,9 +6,10 @@
 
 #include "common/estimation/bundle_phase.h"
 #include "common/estimation/local_bundle_layout.h"
+#include "common/estimation/reduced_system.h"
 
 // Levenberg-Marquardt on the reduced camera system (Triggs et al., "Bundle Adjustment: A Modern Synthesis", 2000,
-// section 6.1), for problems whose reduced system is small and dense. Observations lie sorted by point, so that
+// section 6.1), which is dense or sparse. Observations lie sorted by point, so that
 // eliminating the points walks through memory once.
 
 namespace pangaea {
@@ -40,6 +40,7 @@ struct Step {
   double predicted_decrease = 0.0;
 };
 
+template <typename ReducedSystem>
 class LocalBundle {
  public:
   LocalBundle(const BundlePhase& phase, BundleState& state)
@@ -48,7 +49,8 @@ class LocalBundle {
         layout_(MakeLayout(phase, state)),
         trial_cameras_(layout_.cameras),
         trial_poses_(state.camera_from_map),
-        trial_points_(state.point_in_map) {
+        trial_points_(state.point_in_map),
+        reduced_(layout_) {
     const std::size_t poses = layout_.free_poses.size();
     equations_.pose_block.resize(poses);
     equations_.pose_gradient.resize(poses);
@@ -57,7 +59,6 @@ class LocalBundle {
     equations_.mixed_block.resize(layout_.measurements.size());
     step_.poses.resize(static_cast<Eigen::Index>(6 * poses));
     step_.points.assign(layout_.tracks.size(), Eigen::Vector3d::Zero());
-    reduced_.resize(step_.poses.size(), step_.poses.size());
     reduced_gradient_.resize(step_.poses.size());
     inverse_.resize(layout_.tracks.size());
   }
@@ -152,10 +153,9 @@ class LocalBundle {
     for (std::size_t t = 0; t < layout_.tracks.size(); ++t) {
       if (!layout_.tracks[t].fixed) Eliminate(t, damping);
     }
-    if (reduced_.size() > 0) {
-      factor_.compute(reduced_.selfadjointView<Eigen::Lower>());
-      if (factor_.info() != Eigen::Success) return false;
-      step_.poses = -factor_.solve(reduced_gradient_);
+    if (!layout_.free_poses.empty()) {
+      if (!reduced_.Factorize()) return false;
+      step_.poses = -reduced_.Solve(reduced_gradient_);
     }
     for (std::size_t t = 0; t < layout_.tracks.size(); ++t) {
       if (!layout_.tracks[t].fixed) Substitute(t);
@@ -165,13 +165,13 @@ class LocalBundle {
   }
 
   void StartReducedSystem(double damping) {
-    reduced_.setZero();
+    reduced_.SetZero();
     for (std::size_t i = 0; i < layout_.free_poses.size(); ++i) {
-      const auto at = static_cast<Eigen::Index>(6 * i);
+      const int variable = static_cast<int>(i);
       Matrix6d block = equations_.pose_block[i].selfadjointView<Eigen::Upper>();
       for (int k = 0; k < 6; ++k) block(k, k) += Damped(block(k, k), damping);
-      reduced_.block<6, 6>(at, at) = block;
-      reduced_gradient_.segment<6>(at) = equations_.pose_gradient[i];
+      reduced_.Block(variable, variable) = block;
+      reduced_gradient_.template segment<6>(6 * variable) = equations_.pose_gradient[i];
     }
   }
 
@@ -183,11 +183,11 @@ class LocalBundle {
     inverse_[t] = block.inverse();
     for (int m = track.begin; m < track.free_end; ++m) {
       const Matrix63d product = equations_.mixed_block[m] * inverse_[t];
-      const int row = 6 * VariableOf(m);
-      reduced_gradient_.segment<6>(row).noalias() -= product * equations_.point_gradient[t];
+      const int row = VariableOf(m);
+      reduced_gradient_.template segment<6>(6 * row).noalias() -= product * equations_.point_gradient[t];
       for (int n = track.begin; n <= m; ++n) {
-        const int column = 6 * VariableOf(n);
-        auto target = reduced_.block<6, 6>(row, column);
+        const int column = VariableOf(n);
+        auto&& target = reduced_.Block(row, column);
         target.noalias() -= product * equations_.mixed_block[n].transpose();
         // The same pose saw the point twice: both orders belong to its diagonal block.
         if (row == column && n != m) target.noalias() -= equations_.mixed_block[n] * product.transpose();
@@ -199,7 +199,7 @@ class LocalBundle {
     const Track& track = layout_.tracks[t];
     Eigen::Vector3d right = equations_.point_gradient[t];
     for (int m = track.begin; m < track.free_end; ++m) {
-      right.noalias() += equations_.mixed_block[m].transpose() * step_.poses.segment<6>(6 * VariableOf(m));
+      right.noalias() += equations_.mixed_block[m].transpose() * step_.poses.template segment<6>(6 * VariableOf(m));
     }
     step_.points[t] = -(inverse_[t] * right);
   }
@@ -208,7 +208,7 @@ class LocalBundle {
   void Predict(double damping) {
     double decrease = 0.0;
     for (std::size_t i = 0; i < layout_.free_poses.size(); ++i) {
-      const Vector6d step = step_.poses.segment<6>(static_cast<Eigen::Index>(6 * i));
+      const Vector6d step = step_.poses.template segment<6>(static_cast<Eigen::Index>(6 * i));
       decrease -= step.dot(equations_.pose_gradient[i]);
       for (int k = 0; k < 6; ++k) decrease += Damped(equations_.pose_block[i](k, k), damping) * step(k) * step(k);
     }
@@ -225,7 +225,7 @@ class LocalBundle {
   double TrialCost() {
     for (std::size_t i = 0; i < layout_.free_poses.size(); ++i) {
       const int pose = layout_.free_poses[i];
-      const Vector6d step = step_.poses.segment<6>(static_cast<Eigen::Index>(6 * i));
+      const Vector6d step = step_.poses.template segment<6>(static_cast<Eigen::Index>(6 * i));
       trial_poses_[pose] = Rigid3d::Exp(step) * state_.camera_from_map[pose];
       trial_cameras_[pose].rotation = trial_poses_[pose].rotation().toRotationMatrix();
       trial_cameras_[pose].translation = trial_poses_[pose].translation();
@@ -260,15 +260,17 @@ class LocalBundle {
   std::vector<Rigid3d> trial_poses_;
   std::vector<Eigen::Vector3d> trial_points_;
   Equations equations_;
-  Eigen::MatrixXd reduced_;
+  ReducedSystem reduced_;
   Eigen::VectorXd reduced_gradient_;
   std::vector<Eigen::Matrix3d> inverse_;  // per track
-  Eigen::LLT<Eigen::MatrixXd> factor_;
   Step step_;
 };
 
 }  // namespace
 
-PhaseOutcome RunLocalPhase(const BundlePhase& phase, BundleState& state) { return LocalBundle(phase, state).Run(); }
+PhaseOutcome RunLocalPhase(const BundlePhase& phase, BundleState& state) {
+  return phase.options.solver == BundleSolver::kSparse ? LocalBundle<SparseReducedSystem>(phase, state).Run()
+                                                       : LocalBundle<DenseReducedSystem>(phase, state).Run();
+}
 
 }  // namespace pangaea

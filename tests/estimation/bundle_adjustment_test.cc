@@ -11,8 +11,8 @@ namespace pangaea::testing {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr BundleSolver kSolvers[] = {BundleSolver::kLocal, BundleSolver::kDenseSchur, BundleSolver::kSparseSchur,
-                                     BundleSolver::kIterativeSchur};
+constexpr BundleSolver kSolvers[] = {BundleSolver::kLocal, BundleSolver::kSparse, BundleSolver::kDenseSchur,
+                                     BundleSolver::kSparseSchur, BundleSolver::kIterativeSchur};
 
 BundleOptions Thorough(BundleSolver solver) {
   BundleOptions options;
@@ -49,17 +49,17 @@ TEST(BundleAdjustment, AllSolversReachTheSameCostAmongOutliers) {
     const auto own = SolveBundle(world.problem, Thorough(BundleSolver::kLocal));
     ASSERT_TRUE(own);
     EXPECT_LT(own->final_cost, own->initial_cost);
-    for (const BundleSolver solver : {BundleSolver::kDenseSchur, BundleSolver::kSparseSchur}) {
-      const auto ceres = SolveBundle(world.problem, Thorough(solver));
-      ASSERT_TRUE(ceres);
-      EXPECT_NEAR(own->initial_cost, ceres->initial_cost, 1e-9 * ceres->initial_cost) << "seed " << seed;
-      EXPECT_NEAR(own->final_cost, ceres->final_cost, 1e-6 * ceres->final_cost) << "seed " << seed;
+    for (const BundleSolver solver : {BundleSolver::kSparse, BundleSolver::kDenseSchur, BundleSolver::kSparseSchur}) {
+      const auto other = SolveBundle(world.problem, Thorough(solver));
+      ASSERT_TRUE(other);
+      EXPECT_NEAR(own->initial_cost, other->initial_cost, 1e-9 * other->initial_cost) << "seed " << seed;
+      EXPECT_NEAR(own->final_cost, other->final_cost, 1e-6 * other->final_cost) << "seed " << seed;
     }
   }
 }
 
 TEST(BundleAdjustment, FortyPercentOutliersAreFoundAndTheSecondPhaseForgetsThem) {
-  for (const BundleSolver solver : {BundleSolver::kLocal, BundleSolver::kDenseSchur}) {
+  for (const BundleSolver solver : {BundleSolver::kLocal, BundleSolver::kSparse, BundleSolver::kDenseSchur}) {
     for (std::uint64_t seed = 0; seed < 5; ++seed) {
       const BundleWorld world = MakeBundleWorld(seed, {.noise = 0.5, .outlier_ratio = 0.4, .min_views = 7});
       BundleOptions options = Thorough(solver);

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/mapping/measurement_noise.h"
+#include "server/optimization/correction.h"
+
+namespace pangaea {
+
+struct GlobalBundleOptions {
+  MeasurementNoiseOptions noise = {};
+  int iterations = 10;                   // steps with the robust kernel
+  int iterations_without_outliers = 10;  // then so many without it and without the outliers it showed
+  double cost_tolerance = 1e-4;          // a phase ends when a step lowers the cost by less than this, relatively
+  // A keyframe with fewer observations (count) keeps its pose relative to its parent: six unknowns want some
+  // redundancy.
+  std::size_t min_observations = 10;
+  // Larger maps (keyframes) are solved by conjugate gradients, whose memory grows with the observations alone: the
+  // factor of the sparse reduced system grows faster where many keyframes see the same place.
+  std::size_t direct_keyframes = 5000;
+  // Of those larger maps only; up to there the steps bound the time.
+  int threads = 1;
+  double max_seconds = 60.0;  // of each of the two phases; the best state so far is taken. 0: no limit
+
+  Status Check() const;
+};
+
+struct GlobalBundle {
+  // Against the snapshot: every keyframe but the root, and the landmarks of at least two views. Those of one view
+  // follow.
+  Correction correction;
+  std::vector<MapEdit> removals;  // of observations that contradict the adjusted map, and of what loses its last ones
+  std::size_t observations = 0;
+  std::size_t outliers = 0;
+  double initial_cost = 0.0;  // half the sum of the squared residuals, in sigmas; with the robust kernel
+  double final_cost = 0.0;    // without the kernel, over the inliers
+  int iterations = 0;
+};
+
+// Adjusts all keyframes and landmarks of a map to all that was seen. The root keeps its pose. A map without a stereo
+// camera has no scale of its own: it keeps its median depth.
+// Nothing where there is no such map, too little in it to adjust, or a stop was requested: a bundle adjustment that was
+// cut short is worth less than the one that will follow. `options` must pass their check.
+std::optional<GlobalBundle> AdjustMap(const Atlas& snapshot, MapId map, const GlobalBundleOptions& options,
+                                      std::stop_token stop);
+
+}  // namespace pangaea
