@@ -40,10 +40,12 @@ std::vector<SightingPair> MakePairs(const PlaceView& query, const PlaceView& can
   return pairs;
 }
 
-// Landmarks of the query keyframe itself and of the candidate's whole view that look alike.
-std::vector<Match> MatchLandmarks(const PlaceView& query, const PlaceView& candidate, const MatchOptions& options) {
-  const std::span<const Descriptor> own(query.descriptors.data(), query.central);
-  return FilterByRotation(MatchBruteForce(own, candidate.descriptors, options), query.keypoints, candidate.keypoints);
+// Landmarks of the query keyframe itself and the first `landmarks` of the candidate's view that look alike.
+std::vector<Match> MatchLandmarks(const PlaceView& query, const PlaceView& candidate, std::size_t landmarks,
+                                  const MatchOptions& options) {
+  const auto own = std::span(query.descriptors).first(query.central);
+  const auto others = std::span(candidate.descriptors).first(landmarks);
+  return FilterByRotation(MatchBruteForce(own, others, options), query.keypoints, candidate.keypoints);
 }
 
 class MotionSearch {
@@ -122,10 +124,14 @@ bool IsMetric(const PlaceView& query, const PlaceView& candidate) {
   return query.center().data->camera.is_stereo() && candidate.center().data->camera.is_stereo();
 }
 
+std::size_t CountOwnMatches(const PlaceView& query, const PlaceView& candidate, const PlaceGeometryOptions& options) {
+  return MatchLandmarks(query, candidate, candidate.central, options.matching).size();
+}
+
 std::optional<Similarity3d> FindMotion(const PlaceView& query, const PlaceView& candidate,
                                        const PlaceGeometryOptions& options, std::uint64_t seed,
                                        AlignmentCounts& counts) {
-  const auto matches = MatchLandmarks(query, candidate, options.matching);
+  const auto matches = MatchLandmarks(query, candidate, candidate.landmarks.size(), options.matching);
   counts.matches = matches.size();
   if (matches.size() < options.min_matches) return std::nullopt;
   const MotionSearch search(MakePairs(query, candidate, matches, options.noise), !IsMetric(query, candidate),

@@ -14,10 +14,11 @@ namespace pangaea {
 
 // How far the comparison of two places came: each count is 0 where it was not reached.
 struct AlignmentCounts {
-  std::size_t matches = 0;  // landmarks that look alike
-  std::size_t aligned = 0;  // of these, that fit the best motion of RANSAC
-  std::size_t guided = 0;   // landmark pairs that fit after the first guided search
-  std::size_t inliers = 0;  // and after the second
+  std::size_t own_matches = 0;  // landmarks of the two keyframes themselves that look alike
+  std::size_t matches = 0;      // with those of the candidate's covisible keyframes
+  std::size_t aligned = 0;      // of these, that fit the best motion of RANSAC
+  std::size_t guided = 0;       // landmark pairs that fit after the first guided search
+  std::size_t inliers = 0;      // and after the second
 };
 
 struct PlaceAlignment {
@@ -29,6 +30,9 @@ struct PlaceAlignment {
 
 // Whether the scale between the two is known to be 1: both cameras measure depth.
 bool IsMetric(const PlaceView& query, const PlaceView& candidate);
+
+// How many landmarks of the two central keyframes look alike: the cheapest test.
+std::size_t CountOwnMatches(const PlaceView& query, const PlaceView& candidate, const PlaceGeometryOptions& options);
 
 // The motion under which many landmarks that look alike coincide, without a first guess: RANSAC on Horn's closed form
 // (SE(3) where IsMetric, else Sim(3)), judged by the reprojection errors in both images. The same seed gives the same

@@ -53,7 +53,7 @@ PlaceRecognition PlaceRecognizer::Recognize(const Atlas& snapshot, KeyframeId qu
   }
   AgeHypotheses(snapshot, *keyframe);
   recognition.report.outcome = PlaceOutcome::kFewLandmarks;
-  const PlaceVerification verification(snapshot, *keyframe, options_, stages);
+  PlaceVerification verification(snapshot, *keyframe, options_, stages);
   if (!verification.possible()) return recognition;
   recognition.report.outcome = PlaceOutcome::kNoCandidate;
   ConfirmHypotheses(snapshot, *keyframe, verification, recognition);
@@ -73,8 +73,8 @@ void PlaceRecognizer::AgeHypotheses(const Atlas& atlas, const Keyframe& query) {
   });
 }
 
-void PlaceRecognizer::ConfirmHypotheses(const Atlas& atlas, const Keyframe& query,
-                                        const PlaceVerification& verification, PlaceRecognition& recognition) {
+void PlaceRecognizer::ConfirmHypotheses(const Atlas& atlas, const Keyframe& query, PlaceVerification& verification,
+                                        PlaceRecognition& recognition) {
   const std::vector<PlaceHypothesis> waiting = hypotheses_;
   for (const PlaceHypothesis& hypothesis : waiting) {
     const Keyframe& candidate = *atlas.FindKeyframe(hypothesis.candidate);
@@ -84,9 +84,8 @@ void PlaceRecognizer::ConfirmHypotheses(const Atlas& atlas, const Keyframe& quer
   }
 }
 
-void PlaceRecognizer::CompareCandidates(const Atlas& atlas, const Keyframe& query,
-                                        const PlaceVerification& verification, StageRecorder& stages,
-                                        PlaceRecognition& recognition) {
+void PlaceRecognizer::CompareCandidates(const Atlas& atlas, const Keyframe& query, PlaceVerification& verification,
+                                        StageRecorder& stages, PlaceRecognition& recognition) {
   stages.Begin("place.query");
   const std::unordered_set<KeyframeId> surroundings = Surroundings(atlas, query, options_.candidates);
   const PlaceCandidates found = index_.Query(

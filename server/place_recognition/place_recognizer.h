@@ -29,7 +29,8 @@ class PlaceRecognizer {
   bool Remove(KeyframeId keyframe);
 
   // Where else is what this keyframe sees? Adds it to the index where it is missing. The snapshot may be older or newer
-  // than the index: keyframes in one alone are passed over. Stages: "place.bag", "place.query", "place.align",
+  // than the index: keyframes in one alone are passed over. A keyframe whose landmarks have not come yet
+  // (kFewLandmarks) may be asked again later. Stages: "place.bag", "place.query", "place.compare", "place.align",
   // "place.refine", "place.agree".
   PlaceRecognition Recognize(const Atlas& snapshot, KeyframeId query, StageRecorder& stages);
 
@@ -39,9 +40,9 @@ class PlaceRecognizer {
 
  private:
   void AgeHypotheses(const Atlas& atlas, const Keyframe& query);
-  void ConfirmHypotheses(const Atlas& atlas, const Keyframe& query, const PlaceVerification& verification,
+  void ConfirmHypotheses(const Atlas& atlas, const Keyframe& query, PlaceVerification& verification,
                          PlaceRecognition& recognition);
-  void CompareCandidates(const Atlas& atlas, const Keyframe& query, const PlaceVerification& verification,
+  void CompareCandidates(const Atlas& atlas, const Keyframe& query, PlaceVerification& verification,
                          StageRecorder& stages, PlaceRecognition& recognition);
   void Take(const Atlas& atlas, PlaceVerdict verdict, PlaceRecognition& recognition);
 

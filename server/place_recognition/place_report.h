@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -31,7 +32,8 @@ struct PlaceTrial {
   double score = 0.0;  // of the bag of words; 0 where an earlier keyframe's motion was tried
   PlaceOutcome outcome = PlaceOutcome::kFewMatches;
   AlignmentCounts counts;
-  std::size_t agreeing = 0;  // keyframes, the query included
+  std::optional<Similarity3d> candidate_from_query{};  // where the geometry was verified
+  std::size_t agreeing = 0;                            // keyframes, the query included
   std::size_t contradicting = 0;
   std::vector<PlaceWitness> witnesses;  // the covisible keyframes that were asked
 };

@@ -19,60 +19,72 @@ std::uint64_t SeedOf(std::uint64_t seed, KeyframeId query, KeyframeId candidate)
 
 PlaceVerification::PlaceVerification(const Atlas& atlas, const Keyframe& query, const PlaceRecognitionOptions& options,
                                      StageRecorder& stages)
-    : atlas_(atlas),
-      query_(query),
-      options_(options),
-      stages_(stages),
-      view_(MakePlaceView(atlas, query, options.geometry.covisible)) {}
+    : atlas_(atlas), query_(query), options_(options), stages_(stages), own_view_(MakePlaceView(atlas, query, 0)) {}
 
-PlaceVerdict PlaceVerification::Compare(const PlaceCandidate& candidate) const {
+const PlaceView& PlaceVerification::View() {
+  if (!view_) view_ = MakePlaceView(atlas_, query_, options_.geometry.covisible);
+  return *view_;
+}
+
+PlaceVerdict PlaceVerification::Compare(const PlaceCandidate& candidate) {
   PlaceVerdict verdict;
-  PlaceTrial& trial = verdict.trial;
-  trial.candidate = candidate.keyframe;
-  trial.score = candidate.score;
-  stages_.Begin("place.align");
-  const PlaceView view = MakePlaceView(atlas_, *atlas_.FindKeyframe(candidate.keyframe), options_.geometry.covisible);
-  const auto motion =
-      FindMotion(view_, view, options_.geometry, SeedOf(options_.seed, query_.id, candidate.keyframe), trial.counts);
-  stages_.End("place.align");
-  if (!motion) {
-    trial.outcome =
-        trial.counts.matches < options_.geometry.min_matches ? PlaceOutcome::kFewMatches : PlaceOutcome::kNoMotion;
-    return verdict;
-  }
-  stages_.Begin("place.refine");
-  const auto alignment = RefineAlignment(view_, view, *motion, options_.geometry, trial.counts);
-  stages_.End("place.refine");
-  trial.outcome = PlaceOutcome::kFewInliers;
-  if (alignment) Finish(view, *alignment, verdict);
+  verdict.trial.candidate = candidate.keyframe;
+  verdict.trial.score = candidate.score;
+  const Keyframe& keyframe = *atlas_.FindKeyframe(candidate.keyframe);
+  if (!LooksAlike(keyframe, verdict.trial)) return verdict;
+  const PlaceView view = MakePlaceView(atlas_, keyframe, options_.geometry.covisible);
+  const auto motion = Align(view, verdict.trial);
+  if (motion) Refine(view, *motion, verdict);
   return verdict;
 }
 
-PlaceVerdict PlaceVerification::Confirm(const PlaceHypothesis& hypothesis) const {
+PlaceVerdict PlaceVerification::Confirm(const PlaceHypothesis& hypothesis) {
   PlaceVerdict verdict;
   verdict.trial.candidate = hypothesis.candidate;
-  verdict.trial.outcome = PlaceOutcome::kFewInliers;
+  verdict.agreeing = hypothesis.agreeing;
   const Keyframe& earlier = *atlas_.FindKeyframe(hypothesis.query);
   const Rigid3d earlier_from_query = earlier.camera_from_map * query_.camera_from_map.Inverse();
-  const Similarity3d candidate_from_query = hypothesis.candidate_from_query * Similarity3d(earlier_from_query);
-  stages_.Begin("place.refine");
-  const PlaceView view = MakePlaceView(atlas_, *atlas_.FindKeyframe(hypothesis.candidate), options_.geometry.covisible);
-  const auto alignment = RefineAlignment(view_, view, candidate_from_query, options_.geometry, verdict.trial.counts);
-  stages_.End("place.refine");
-  if (!alignment) return verdict;
-  verdict.agreeing = hypothesis.agreeing;
-  Finish(view, *alignment, verdict);
+  const Keyframe& candidate = *atlas_.FindKeyframe(hypothesis.candidate);
+  Refine(MakePlaceView(atlas_, candidate, options_.geometry.covisible),
+         hypothesis.candidate_from_query * Similarity3d(earlier_from_query), verdict);
   return verdict;
 }
 
-// The geometry is verified: asks the others.
-void PlaceVerification::Finish(const PlaceView& candidate, const PlaceAlignment& alignment,
-                               PlaceVerdict& verdict) const {
-  const StageScope stage(stages_, "place.agree");
-  std::vector<KeyframeId>& agreeing = verdict.agreeing;
+bool PlaceVerification::LooksAlike(const Keyframe& candidate, PlaceTrial& trial) const {
+  const StageScope stage(stages_, "place.compare");
+  trial.outcome = PlaceOutcome::kFewMatches;
+  trial.counts.own_matches = CountOwnMatches(own_view_, MakePlaceView(atlas_, candidate, 0), options_.geometry);
+  return trial.counts.own_matches >= options_.geometry.min_own_matches;
+}
+
+std::optional<Similarity3d> PlaceVerification::Align(const PlaceView& candidate, PlaceTrial& trial) const {
+  const StageScope stage(stages_, "place.align");
+  const std::uint64_t seed = SeedOf(options_.seed, query_.id, candidate.center().id);
+  auto motion = FindMotion(own_view_, candidate, options_.geometry, seed, trial.counts);
+  if (trial.counts.matches >= options_.geometry.min_matches) trial.outcome = PlaceOutcome::kNoMotion;
+  return motion;
+}
+
+void PlaceVerification::Refine(const PlaceView& candidate, const Similarity3d& candidate_from_query,
+                               PlaceVerdict& verdict) {
+  stages_.Begin("place.refine");
   PlaceTrial& trial = verdict.trial;
-  const Keyframe& other = *atlas_.FindKeyframe(candidate.center().id);
-  trial.witnesses = AskCovisibleKeyframes(atlas_, query_, other, alignment.candidate_from_query, options_);
+  const auto alignment = RefineAlignment(View(), candidate, candidate_from_query, options_.geometry, trial.counts);
+  stages_.End("place.refine");
+  trial.outcome = PlaceOutcome::kFewInliers;
+  if (!alignment) return;
+  trial.candidate_from_query = alignment->candidate_from_query;
+  Ask(candidate.center().id, alignment->candidate_from_query, verdict);
+  verdict.match = MakeMatch(candidate, *alignment, trial);
+}
+
+// The geometry is verified: what do the keyframes around the query say?
+void PlaceVerification::Ask(KeyframeId candidate, const Similarity3d& candidate_from_query, PlaceVerdict& verdict) {
+  const StageScope stage(stages_, "place.agree");
+  PlaceTrial& trial = verdict.trial;
+  std::vector<KeyframeId>& agreeing = verdict.agreeing;
+  trial.witnesses =
+      AskCovisibleKeyframes(atlas_, query_, *atlas_.FindKeyframe(candidate), candidate_from_query, options_);
   agreeing.push_back(query_.id);
   for (const PlaceWitness& witness : trial.witnesses) {
     if (witness.vote == PlaceVote::kYes) agreeing.push_back(witness.keyframe);
@@ -84,18 +96,17 @@ void PlaceVerification::Finish(const PlaceView& candidate, const PlaceAlignment&
   trial.outcome = PlaceOutcome::kRecognized;
   if (trial.agreeing < options_.agreement.keyframes) trial.outcome = PlaceOutcome::kFewAgreeing;
   if (trial.contradicting > 0) trial.outcome = PlaceOutcome::kContradicted;
-  verdict.match = MakeMatch(candidate, alignment, trial);
 }
 
 PlaceMatch PlaceVerification::MakeMatch(const PlaceView& candidate, const PlaceAlignment& alignment,
-                                        const PlaceTrial& trial) const {
+                                        const PlaceTrial& trial) {
   PlaceMatch match;
   match.query = query_.id;
   match.candidate = candidate.center().id;
   match.candidate_from_query = alignment.candidate_from_query;
-  match.metric = IsMetric(view_, candidate);
+  match.metric = IsMetric(own_view_, candidate);
   for (const Match& pair : alignment.pairs) {
-    match.landmarks.emplace_back(view_.landmarks[pair.query].id, candidate.landmarks[pair.train].id);
+    match.landmarks.emplace_back(View().landmarks[pair.query].id, candidate.landmarks[pair.train].id);
   }
   match.evidence = {.score = trial.score,
                     .matches = alignment.candidates,

@@ -35,21 +35,26 @@ class PlaceVerification {
                     StageRecorder& stages);
 
   // Whether the query sees enough landmarks to be compared at all.
-  bool possible() const { return view_.central >= options_.geometry.min_matches; }
+  bool possible() const { return own_view_.central >= options_.geometry.min_matches; }
   // Without an idea of the motion. The candidate is alive.
-  PlaceVerdict Compare(const PlaceCandidate& candidate) const;
+  PlaceVerdict Compare(const PlaceCandidate& candidate);
   // With the motion that an earlier keyframe found. Both of its keyframes are alive, that one in the query's map.
-  PlaceVerdict Confirm(const PlaceHypothesis& hypothesis) const;
+  PlaceVerdict Confirm(const PlaceHypothesis& hypothesis);
 
  private:
-  void Finish(const PlaceView& candidate, const PlaceAlignment& alignment, PlaceVerdict& verdict) const;
-  PlaceMatch MakeMatch(const PlaceView& candidate, const PlaceAlignment& alignment, const PlaceTrial& trial) const;
+  bool LooksAlike(const Keyframe& candidate, PlaceTrial& trial) const;
+  std::optional<Similarity3d> Align(const PlaceView& candidate, PlaceTrial& trial) const;
+  void Refine(const PlaceView& candidate, const Similarity3d& candidate_from_query, PlaceVerdict& verdict);
+  void Ask(KeyframeId candidate, const Similarity3d& candidate_from_query, PlaceVerdict& verdict);
+  PlaceMatch MakeMatch(const PlaceView& candidate, const PlaceAlignment& alignment, const PlaceTrial& trial);
+  const PlaceView& View();
 
   const Atlas& atlas_;
   const Keyframe& query_;
   const PlaceRecognitionOptions& options_;
   StageRecorder& stages_;
-  PlaceView view_;  // of the query
+  PlaceView own_view_;             // of the query alone
+  std::optional<PlaceView> view_;  // with its covisible keyframes; made when it is needed, since mostly it is not
 };
 
 }  // namespace pangaea

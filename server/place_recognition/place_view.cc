@@ -9,12 +9,15 @@
 namespace pangaea {
 namespace {
 
+constexpr std::size_t kUsualLandmarks = 2000;
+
 class ViewBuilder {
  public:
   ViewBuilder(const Atlas& atlas, const Keyframe& center) : atlas_(atlas), center_(center) {
     view_.map = center.map;
     view_.landmark_at.assign(center.landmarks.size(), PlaceView::kNone);
     view_.grid = FeatureGrid(center.data->features.keypoints);
+    taken_.reserve(kUsualLandmarks);
     AddObserver(center);
     view_.central = view_.landmarks.size();
   }

@@ -1,7 +1,7 @@
 // Recognises the places of a recorded store and compares what was recognised with ground truth:
 //   place_replay atlas.db DATASET...
 // Edits are applied in the order in which the server took them, and each keyframe is looked up as soon as it is there.
-// Recordings whose names begin alike up to the first '_' share one world; others have nothing in common.
+// Recordings whose names begin alike up to the last '_' share one world; others have nothing in common.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -45,26 +45,27 @@ struct ThreadClock {
 
 class Durations final : public StageRecorder {
  public:
-  void Begin(std::string_view name) override { open_.emplace_back(name, Clock::now()); }
+  void Begin(std::string_view name) override { open_.emplace_back(name, ThreadClock::now()); }
   void End(std::string_view name) override {
-    const std::chrono::duration<double, std::milli> taken = Clock::now() - open_.back().second;
+    Add(std::string(name), ThreadClock::now() - open_.back().second);
     open_.pop_back();
-    milliseconds_[std::string(name)].push_back(taken.count());
+  }
+  void Add(const std::string& name, std::chrono::duration<double, std::milli> taken) {
+    milliseconds_[name].push_back(taken.count());
   }
   void Print() {
     for (auto& [name, values] : milliseconds_) {
       std::ranges::sort(values);
       double sum = 0.0;
       for (const double value : values) sum += value;
-      std::printf("%-16s %6zu times  mean %6.2f  median %6.2f  p95 %6.2f  max %6.2f ms\n", name.c_str(), values.size(),
+      std::printf("%-24s %6zu times  mean %6.2f  median %6.2f  p95 %6.2f  max %6.2f ms\n", name.c_str(), values.size(),
                   sum / static_cast<double>(values.size()), values[values.size() / 2], values[values.size() * 95 / 100],
                   values.back());
     }
   }
 
  private:
-  using Clock = ThreadClock;
-  std::vector<std::pair<std::string_view, Clock::time_point>> open_;
+  std::vector<std::pair<std::string_view, ThreadClock::time_point>> open_;
   std::map<std::string, std::vector<double>> milliseconds_;
 };
 
@@ -123,7 +124,7 @@ class Replay {
       if (truth.name != name->second || !truth.body_from_camera) continue;
       const auto pose = InterpolatePose(truth.poses, keyframe.data->stamp_ns, {});
       if (!pose) return std::nullopt;
-      return KnownPose{truth.name.substr(0, truth.name.find('_')), *pose * *truth.body_from_camera};
+      return KnownPose{truth.name.substr(0, truth.name.rfind('_')), *pose * *truth.body_from_camera};
     }
     return std::nullopt;
   }
@@ -152,9 +153,11 @@ class Replay {
 
   void Ask(KeyframeId id) {
     const Keyframe& keyframe = *atlas_.FindKeyframe(id);
-    durations_.Begin("whole");
+    const auto begin = ThreadClock::now();
     const PlaceRecognition recognition = recognizer_.Recognize(atlas_, id, durations_);
-    durations_.End("whole");
+    const auto end = ThreadClock::now();
+    durations_.Add("whole", end - begin);
+    durations_.Add("whole, " + std::string(ToString(recognition.report.outcome)), end - begin);
     ++asked_;
     const auto pose = TruthOf(keyframe);
     const bool revisit = pose && IsRevisit(keyframe, *pose);
@@ -177,14 +180,20 @@ class Replay {
       angle = Degrees(motion.rotation());
     }
     std::printf(
-        "%s %s/%u %s/%u score %.3f truth %.2f m %.0f deg matches %zu aligned %zu guided %zu inliers %zu agreeing %zu "
+        "%s %s/%u %s/%u score %.3f truth %.2f m %.0f deg own %zu matches %zu aligned %zu guided %zu inliers %zu "
+        "agreeing %zu "
         "against %zu  %s\n",
         revisit ? "R" : "-", names_.at(keyframe.id.session).c_str(), keyframe.id.counter,
         names_.at(trial.candidate.session).c_str(), trial.candidate.counter, trial.score, distance, angle,
-        trial.counts.matches, trial.counts.aligned, trial.counts.guided, trial.counts.inliers, trial.agreeing,
-        trial.contradicting, std::string(ToString(trial.outcome)).c_str());
+        trial.counts.own_matches, trial.counts.matches, trial.counts.aligned, trial.counts.guided, trial.counts.inliers,
+        trial.agreeing, trial.contradicting, std::string(ToString(trial.outcome)).c_str());
     if (trial.witnesses.empty()) return;
-    std::printf("   ");
+    const double off = angle >= 0.0 && trial.candidate_from_query
+                           ? (trial.candidate_from_query->translation() -
+                              (other->second.world_from_camera.Inverse() * pose->world_from_camera).translation())
+                                 .norm()
+                           : -1.0;
+    std::printf("    %.4f m off, witnesses", off);
     for (const PlaceWitness& witness : trial.witnesses) std::printf(" %zu/%zu", witness.found, witness.visible);
     std::printf("\n");
   }
