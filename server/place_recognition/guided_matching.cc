@@ -1,6 +1,7 @@
 #include "server/place_recognition/guided_matching.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -28,7 +29,7 @@ std::optional<ProjectionQuery> Predict(const PlaceView& place, std::size_t index
   if (!(point_in_camera.z() > kMinDepth)) return std::nullopt;
   const Eigen::Vector2d pixel = target.camera.Project(point_in_camera);
   if (!target.camera.Contains(pixel)) return std::nullopt;
-  const Eigen::Vector3d old_ray = landmark.point - place.observers[landmark.observer].position;
+  const Eigen::Vector3d old_ray = landmark.point - place.observers[landmark.first.observer].position;
   const Eigen::Vector3d new_ray = landmark.point - target.position;
   const double old_distance = old_ray.norm();
   const double new_distance = new_ray.norm();
@@ -65,6 +66,38 @@ std::vector<Match> KeepOnePerLandmark(std::vector<Match> pairs, std::size_t quer
   return pairs;
 }
 
+constexpr int kCellColumns = 8;
+constexpr int kCellRows = 5;
+// Landmarks that should be in a cell for their absence to mean something: most of what is in view is not found again.
+constexpr int kExpectedInCell = 8;
+
+// Which parts of the image hold what they should.
+class CellCount {
+ public:
+  explicit CellCount(const IdealCamera& camera) : camera_(camera) {}
+  void Expect(const ProjectionQuery& query) { ++expected_[CellOf(query)]; }
+  void Confirm(const ProjectionQuery& query) { ++found_[CellOf(query)]; }
+  void Count(GuidedSearch& search) const {
+    for (std::size_t i = 0; i < expected_.size(); ++i) {
+      if (expected_[i] < kExpectedInCell) continue;
+      ++search.expected_cells;
+      search.confirmed_cells += found_[i] > 0 ? 1 : 0;
+    }
+  }
+
+ private:
+  std::size_t CellOf(const ProjectionQuery& query) const {
+    const int column = static_cast<int>(query.u / static_cast<float>(camera_.width) * kCellColumns);
+    const int row = static_cast<int>(query.v / static_cast<float>(camera_.height) * kCellRows);
+    return static_cast<std::size_t>(std::clamp(row, 0, kCellRows - 1) * kCellColumns +
+                                    std::clamp(column, 0, kCellColumns - 1));
+  }
+
+  const IdealCamera& camera_;
+  std::array<int, kCellColumns * kCellRows> expected_{};
+  std::array<int, kCellColumns * kCellRows> found_{};
+};
+
 }  // namespace
 
 GuidedSearch SearchInImage(const PlaceView& place, const KeyframeData& image, const FeatureGrid& grid,
@@ -86,7 +119,13 @@ GuidedSearch SearchInImage(const PlaceView& place, const KeyframeData& image, co
   GuidedSearch search;
   search.visible = queries.size();
   search.matches = MatchByProjection(queries, grid, image.features.descriptors, options.guided_matching);
-  for (Match& match : search.matches) match.query = landmarks[match.query];
+  CellCount cells(image.camera);
+  for (const ProjectionQuery& query : queries) cells.Expect(query);
+  for (Match& match : search.matches) {
+    cells.Confirm(queries[match.query]);
+    match.query = landmarks[match.query];
+  }
+  cells.Count(search);
   return search;
 }
 

@@ -14,6 +14,9 @@ namespace pangaea {
 struct GuidedSearch {
   std::vector<Match> matches;  // landmark of the place, keypoint of the image
   std::size_t visible = 0;     // landmarks that should be in the image
+  // Parts of the image (of a grid) in which several landmarks should be, and those of them in which some are found.
+  std::size_t expected_cells = 0;
+  std::size_t confirmed_cells = 0;
 };
 
 // Looks for the landmarks of `place` in the image of another keyframe. `camera_from_center`: from the camera frame of

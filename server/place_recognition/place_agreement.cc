@@ -39,11 +39,11 @@ std::vector<KeyframeId> Lookalikes(const Atlas& atlas, std::span<const KeyframeI
 }
 
 PlaceVote VoteOf(const PlaceWitness& witness, const PlaceAgreementOptions& options) {
-  const double visible = static_cast<double>(witness.visible);
-  const double found = static_cast<double>(witness.found);
-  if (witness.found >= options.min_matches && found >= options.min_share * visible) return PlaceVote::kYes;
-  if (witness.visible >= options.min_visible && found < options.contradicting_share * visible) return PlaceVote::kNo;
-  return PlaceVote::kNothing;
+  const double expected = static_cast<double>(witness.expected_cells);
+  const double confirmed = static_cast<double>(witness.confirmed_cells);
+  if (witness.found >= options.min_matches && confirmed >= options.min_cell_share * expected) return PlaceVote::kYes;
+  const bool enough = witness.expected_cells >= options.min_cells;
+  return enough && confirmed < options.contradicting_cell_share * expected ? PlaceVote::kNo : PlaceVote::kNothing;
 }
 
 PlaceWitness Ask(const Atlas& atlas, const Keyframe& asked, std::span<const KeyframeId> window, const AssumedPose& pose,
@@ -58,22 +58,27 @@ PlaceWitness Ask(const Atlas& atlas, const Keyframe& asked, std::span<const Keyf
                                             options.agreement.radius, options.geometry);
   witness.visible = search.visible;
   witness.found = search.matches.size();
+  witness.expected_cells = search.expected_cells;
+  witness.confirmed_cells = search.confirmed_cells;
   witness.vote = VoteOf(witness, options.agreement);
   return witness;
 }
 
 }  // namespace
 
-std::vector<PlaceWitness> AskCovisibleKeyframes(const Atlas& atlas, const Keyframe& query, const Keyframe& candidate,
-                                                const Similarity3d& candidate_from_query,
-                                                const PlaceRecognitionOptions& options) {
+std::vector<PlaceWitness> AskSurroundings(const Atlas& atlas, const Keyframe& query, const Keyframe& candidate,
+                                          const Similarity3d& candidate_from_query,
+                                          const PlaceRecognitionOptions& options) {
   const std::vector<KeyframeId> window = GrowWindow(atlas, candidate.id, options.agreement.window);
   const Similarity3d map_from_query = Similarity3d(candidate.camera_from_map.Inverse()) * candidate_from_query;
-  std::vector<Covisibility> best = CovisibleKeyframes(atlas, query.id);
-  if (best.size() > options.agreement.covisible) best.resize(options.agreement.covisible);
+  std::vector<KeyframeId> around = {query.id};
+  for (const Covisibility& edge : CovisibleKeyframes(atlas, query.id)) {
+    if (around.size() > options.agreement.covisible) break;
+    around.push_back(edge.keyframe);
+  }
   std::vector<PlaceWitness> witnesses;
-  for (const Covisibility& edge : best) {
-    const Keyframe& asked = *atlas.FindKeyframe(edge.keyframe);
+  for (const KeyframeId id : around) {
+    const Keyframe& asked = *atlas.FindKeyframe(id);
     const Rigid3d query_from_asked = query.camera_from_map * asked.camera_from_map.Inverse();
     const Similarity3d map_from_asked = map_from_query * Similarity3d(query_from_asked);
     const Eigen::Vector3d axis = map_from_asked.rotation() * Eigen::Vector3d::UnitZ();

@@ -19,33 +19,36 @@ constexpr std::size_t kSampleSize = 3;
 // Steps with which RANSAC polishes a new best motion: it need not converge.
 constexpr int kPolishIterations = 4;
 
-Sighting MakeSighting(const PlaceView& view, std::uint32_t landmark, const MeasurementNoiseOptions& noise) {
-  const PlaceObserver& observer = view.observers[view.landmarks[landmark].observer];
-  const Keypoint& keypoint = view.keypoints[landmark];
-  return {.point = view.landmarks[landmark].point,
+Sighting MakeSighting(const PlaceView& view, const PlaceLandmark& landmark, const PlaceSighting& sighting,
+                      const MeasurementNoiseOptions& noise) {
+  const PlaceObserver& observer = view.observers[sighting.observer];
+  const Keypoint& keypoint = observer.data->features.keypoints[sighting.keypoint];
+  return {.point = landmark.point,
           .camera = observer.data->camera,
           .camera_from_side = observer.camera_from_center,
           .measurement = ReliableMeasurementOf(observer.data->camera, keypoint, noise),
           .inverse_sigma = 1.0 / SigmaOf(keypoint, noise)};
 }
 
+// A pair for each match, from one of the two sightings that are known of each landmark.
+void AppendPairs(const PlaceView& query, const PlaceView& candidate, std::span<const Match> matches,
+                 PlaceSighting PlaceLandmark::*sighting, const MeasurementNoiseOptions& noise,
+                 std::vector<SightingPair>& pairs) {
+  for (const Match& match : matches) {
+    const PlaceLandmark& source = query.landmarks[match.query];
+    const PlaceLandmark& target = candidate.landmarks[match.train];
+    pairs.push_back({.source = MakeSighting(query, source, source.*sighting, noise),
+                     .target = MakeSighting(candidate, target, target.*sighting, noise)});
+  }
+}
+
 std::vector<SightingPair> MakePairs(const PlaceView& query, const PlaceView& candidate, std::span<const Match> matches,
                                     const MeasurementNoiseOptions& noise) {
   std::vector<SightingPair> pairs;
-  pairs.reserve(matches.size());
-  for (const Match& match : matches) {
-    pairs.push_back(
-        {.source = MakeSighting(query, match.query, noise), .target = MakeSighting(candidate, match.train, noise)});
-  }
+  AppendPairs(query, candidate, matches, &PlaceLandmark::first, noise, pairs);
+  // Two cameras at one position see the same at any scale: only others beside them tell it.
+  if (!IsMetric(query, candidate)) AppendPairs(query, candidate, matches, &PlaceLandmark::far, noise, pairs);
   return pairs;
-}
-
-// Landmarks of the query keyframe itself and the first `landmarks` of the candidate's view that look alike.
-std::vector<Match> MatchLandmarks(const PlaceView& query, const PlaceView& candidate, std::size_t landmarks,
-                                  const MatchOptions& options) {
-  const auto own = std::span(query.descriptors).first(query.central);
-  const auto others = std::span(candidate.descriptors).first(landmarks);
-  return FilterByRotation(MatchBruteForce(own, others, options), query.keypoints, candidate.keypoints);
 }
 
 class MotionSearch {
@@ -113,7 +116,8 @@ std::optional<PlaceAlignment> SearchAndRefine(const PlaceView& query, const Plac
                            .candidates = matches.size(),
                            .rms_sigmas = std::sqrt(refined->mean_squared_error)};
   for (std::size_t i = 0; i < matches.size(); ++i) {
-    if (inliers[i] != 0) alignment.pairs.push_back(matches[i]);
+    const bool fits = inliers[i] != 0 && (inliers.size() == matches.size() || inliers[matches.size() + i] != 0);
+    if (fits) alignment.pairs.push_back(matches[i]);
   }
   return alignment;
 }
@@ -124,18 +128,19 @@ bool IsMetric(const PlaceView& query, const PlaceView& candidate) {
   return query.center().data->camera.is_stereo() && candidate.center().data->camera.is_stereo();
 }
 
-std::size_t CountOwnMatches(const PlaceView& query, const PlaceView& candidate, const PlaceGeometryOptions& options) {
-  return MatchLandmarks(query, candidate, candidate.central, options.matching).size();
+std::vector<Match> MatchLandmarks(const PlaceView& query, const PlaceView& candidate, std::size_t landmarks,
+                                  const MatchOptions& options) {
+  const auto own = std::span(query.descriptors).first(query.central);
+  const auto others = std::span(candidate.descriptors).first(landmarks);
+  return FilterByRotation(MatchBruteForce(own, others, options), query.keypoints, candidate.keypoints);
 }
 
 std::optional<Similarity3d> FindMotion(const PlaceView& query, const PlaceView& candidate,
-                                       const PlaceGeometryOptions& options, std::uint64_t seed,
-                                       AlignmentCounts& counts) {
-  const auto matches = MatchLandmarks(query, candidate, candidate.landmarks.size(), options.matching);
-  counts.matches = matches.size();
-  if (matches.size() < options.min_matches) return std::nullopt;
-  const MotionSearch search(MakePairs(query, candidate, matches, options.noise), !IsMetric(query, candidate),
-                            options.ransac_sigmas);
+                                       std::span<const Match> matches, const PlaceGeometryOptions& options,
+                                       std::uint64_t seed, std::size_t& aligned) {
+  std::vector<SightingPair> pairs;
+  AppendPairs(query, candidate, matches, &PlaceLandmark::first, options.noise, pairs);
+  const MotionSearch search(std::move(pairs), !IsMetric(query, candidate), options.ransac_sigmas);
   const RansacOptions ransac{.sample_size = kSampleSize, .max_iterations = options.ransac_iterations};
   const auto best = Ransac<Similarity3d>(
       search.size(), ransac, seed,
@@ -145,8 +150,8 @@ std::optional<Similarity3d> FindMotion(const PlaceView& query, const PlaceView& 
         return search.Improve(motion, inliers);
       });
   if (!best) return std::nullopt;
-  counts.aligned = best->score.inliers;
-  if (counts.aligned < options.min_aligned) return std::nullopt;
+  aligned = best->score.inliers;
+  if (aligned < options.min_aligned) return std::nullopt;
   return best->model;
 }
 

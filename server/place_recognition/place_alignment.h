@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/features/matching.h"
@@ -31,15 +32,17 @@ struct PlaceAlignment {
 // Whether the scale between the two is known to be 1: both cameras measure depth.
 bool IsMetric(const PlaceView& query, const PlaceView& candidate);
 
-// How many landmarks of the two central keyframes look alike: the cheapest test.
-std::size_t CountOwnMatches(const PlaceView& query, const PlaceView& candidate, const PlaceGeometryOptions& options);
+// Landmarks of the query keyframe itself and the first `landmarks` of the candidate's view that look alike, and are
+// turned by the same angle.
+std::vector<Match> MatchLandmarks(const PlaceView& query, const PlaceView& candidate, std::size_t landmarks,
+                                  const MatchOptions& options);
 
 // The motion under which many landmarks that look alike coincide, without a first guess: RANSAC on Horn's closed form
 // (SE(3) where IsMetric, else Sim(3)), judged by the reprojection errors in both images. The same seed gives the same
-// motion. Nothing where there are too few matches, or too few fit.
+// motion. `aligned` is how many fit it. Nothing where too few do.
 std::optional<Similarity3d> FindMotion(const PlaceView& query, const PlaceView& candidate,
-                                       const PlaceGeometryOptions& options, std::uint64_t seed,
-                                       AlignmentCounts& counts);
+                                       std::span<const Match> matches, const PlaceGeometryOptions& options,
+                                       std::uint64_t seed, std::size_t& aligned);
 
 // Searches the landmarks of either side in the other's image, refines the motion, and does both again in smaller
 // windows. Nothing where too few landmark pairs fit.

@@ -21,6 +21,7 @@ Status PlaceGeometryOptions::Check() const {
       .In("matching.max_distance", matching.max_distance, 0, 256)
       .In("matching.max_ratio", matching.max_ratio, 0.01, 1.0)
       .In("min_own_matches", min_own_matches, 0, RangeCheck::kUnlimited)
+      .In("enough_own_matches", enough_own_matches, 0, RangeCheck::kUnlimited)
       .In("min_matches", min_matches, 4, RangeCheck::kUnlimited)
       .In("ransac_iterations", ransac_iterations, 1, 100000)
       .In("ransac_sigmas", ransac_sigmas, 0.1, 1000.0)
@@ -44,8 +45,8 @@ Status PlaceAgreementOptions::Check() const {
       .In("lookalikes", lookalikes, 1, 100)
       .In("max_axis_angle", max_axis_angle, 1.0, 180.0)
       .In("radius", radius, 0.1, 1000.0)
-      .In("min_share", min_share, 0.0, 1.0)
-      .In("contradicting_share", contradicting_share, 0.0, min_share)
+      .In("min_cell_share", min_cell_share, 0.0, 1.0)
+      .In("contradicting_cell_share", contradicting_cell_share, 0.0, min_cell_share)
       .status();
 }
 

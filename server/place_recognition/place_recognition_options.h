@@ -30,10 +30,11 @@ struct PlaceGeometryOptions {
   MeasurementNoiseOptions noise;
   // Of landmarks without an idea where they are.
   MatchOptions matching = {.max_distance = 60, .max_ratio = 0.8};
-  // Matches between the two keyframes themselves below which a candidate is given up, and matches with the candidate's
-  // surroundings below which no motion is sought. Chance gives 4 in the median, 14 at most.
+  // Matches between the two keyframes themselves below which a candidate is given up: chance gives 4 in the median, 14
+  // at most. With fewer than enough, the landmarks around the candidate are matched as well.
   std::size_t min_own_matches = 8;
-  std::size_t min_matches = 15;
+  std::size_t enough_own_matches = 25;
+  std::size_t min_matches = 15;  // below which no motion is sought
   int ransac_iterations = 300;
   // A motion from three points is off by their noise: so many sigmas count as fitting.
   double ransac_sigmas = 5.0;
@@ -51,25 +52,26 @@ struct PlaceGeometryOptions {
   Status Check() const;
 };
 
-// When other keyframes of the query's surroundings confirm the motion.
+// When the keyframes of the query's surroundings confirm the motion.
 struct PlaceAgreementOptions {
   // That confirm it, the query itself included (Elvira et al. 2019, "Seamless map merging": three).
   std::size_t keyframes = 3;
-  std::size_t covisible = 10;  // best covisible keyframes of the query that are asked
+  std::size_t covisible = 6;  // best covisible keyframes of the query that are asked
   // Keyframes around the candidate among which those are sought that look where an asked one should look, and how many
   // of them it is compared with.
   std::size_t window = 40;
   std::size_t lookalikes = 4;
   // Between their optical axes at most, degrees: beyond, they say nothing about each other.
   double max_axis_angle = 45.0;
-  double radius = 5.0;  // octave pixels around where the landmarks should be
-  // Landmarks that must be found for a yes, and their part of those that should be in view. Most of these are hidden,
-  // or too faint to be found again: of 100, 3 to 28 are found where the motion is right, at most 2 where it is not.
-  std::size_t min_matches = 15;
-  double min_share = 0.06;
-  // A no: of at least so many that should be in view fewer than this part are found.
-  std::size_t min_visible = 100;
-  double contradicting_share = 0.02;
+  double radius = 5.0;           // octave pixels around where the landmarks should be
+  std::size_t min_matches = 15;  // landmarks that must be found for a yes
+  // Part of the image's cells, of those in which several landmarks should be, that must hold some for a yes, and below
+  // which it is a no. Most landmarks in view are not found again, in all of the image alike: of ten cells, where the
+  // motion is right, 4 to 10 hold some, where it is not, at most 2. A thing that stands in two places fills its own
+  // cells.
+  double min_cell_share = 0.3;
+  double contradicting_cell_share = 0.15;
+  std::size_t min_cells = 8;  // for a no: of so many
   // Further keyframes of the map after which a motion that too few could confirm so far is forgotten.
   std::size_t patience = 10;
 

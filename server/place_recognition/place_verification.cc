@@ -31,9 +31,10 @@ PlaceVerdict PlaceVerification::Compare(const PlaceCandidate& candidate) {
   verdict.trial.candidate = candidate.keyframe;
   verdict.trial.score = candidate.score;
   const Keyframe& keyframe = *atlas_.FindKeyframe(candidate.keyframe);
-  if (!LooksAlike(keyframe, verdict.trial)) return verdict;
+  std::vector<Match> own_matches = MatchOwnLandmarks(keyframe, verdict.trial);
+  if (own_matches.size() < options_.geometry.min_own_matches) return verdict;
   const PlaceView view = MakePlaceView(atlas_, keyframe, options_.geometry.covisible);
-  const auto motion = Align(view, verdict.trial);
+  const auto motion = Align(view, std::move(own_matches), verdict.trial);
   if (motion) Refine(view, *motion, verdict);
   return verdict;
 }
@@ -50,19 +51,28 @@ PlaceVerdict PlaceVerification::Confirm(const PlaceHypothesis& hypothesis) {
   return verdict;
 }
 
-bool PlaceVerification::LooksAlike(const Keyframe& candidate, PlaceTrial& trial) const {
+std::vector<Match> PlaceVerification::MatchOwnLandmarks(const Keyframe& candidate, PlaceTrial& trial) const {
   const StageScope stage(stages_, "place.compare");
+  const PlaceView view = MakePlaceView(atlas_, candidate, 0);
+  auto matches = MatchLandmarks(own_view_, view, view.landmarks.size(), options_.geometry.matching);
   trial.outcome = PlaceOutcome::kFewMatches;
-  trial.counts.own_matches = CountOwnMatches(own_view_, MakePlaceView(atlas_, candidate, 0), options_.geometry);
-  return trial.counts.own_matches >= options_.geometry.min_own_matches;
+  trial.counts.own_matches = matches.size();
+  return matches;
 }
 
-std::optional<Similarity3d> PlaceVerification::Align(const PlaceView& candidate, PlaceTrial& trial) const {
+std::optional<Similarity3d> PlaceVerification::Align(const PlaceView& candidate, std::vector<Match> matches,
+                                                     PlaceTrial& trial) const {
   const StageScope stage(stages_, "place.align");
+  const PlaceGeometryOptions& options = options_.geometry;
+  // The candidate's own landmarks come first in its view: indices keep their meaning.
+  if (matches.size() < options.enough_own_matches) {
+    matches = MatchLandmarks(own_view_, candidate, candidate.landmarks.size(), options.matching);
+  }
+  trial.counts.matches = matches.size();
+  if (matches.size() < options.min_matches) return std::nullopt;
+  trial.outcome = PlaceOutcome::kNoMotion;
   const std::uint64_t seed = SeedOf(options_.seed, query_.id, candidate.center().id);
-  auto motion = FindMotion(own_view_, candidate, options_.geometry, seed, trial.counts);
-  if (trial.counts.matches >= options_.geometry.min_matches) trial.outcome = PlaceOutcome::kNoMotion;
-  return motion;
+  return FindMotion(own_view_, candidate, matches, options, seed, trial.counts.aligned);
 }
 
 void PlaceVerification::Refine(const PlaceView& candidate, const Similarity3d& candidate_from_query,
@@ -83,9 +93,7 @@ void PlaceVerification::Ask(KeyframeId candidate, const Similarity3d& candidate_
   const StageScope stage(stages_, "place.agree");
   PlaceTrial& trial = verdict.trial;
   std::vector<KeyframeId>& agreeing = verdict.agreeing;
-  trial.witnesses =
-      AskCovisibleKeyframes(atlas_, query_, *atlas_.FindKeyframe(candidate), candidate_from_query, options_);
-  agreeing.push_back(query_.id);
+  trial.witnesses = AskSurroundings(atlas_, query_, *atlas_.FindKeyframe(candidate), candidate_from_query, options_);
   for (const PlaceWitness& witness : trial.witnesses) {
     if (witness.vote == PlaceVote::kYes) agreeing.push_back(witness.keyframe);
     if (witness.vote == PlaceVote::kNo) ++trial.contradicting;

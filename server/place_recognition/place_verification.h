@@ -42,8 +42,8 @@ class PlaceVerification {
   PlaceVerdict Confirm(const PlaceHypothesis& hypothesis);
 
  private:
-  bool LooksAlike(const Keyframe& candidate, PlaceTrial& trial) const;
-  std::optional<Similarity3d> Align(const PlaceView& candidate, PlaceTrial& trial) const;
+  std::vector<Match> MatchOwnLandmarks(const Keyframe& candidate, PlaceTrial& trial) const;
+  std::optional<Similarity3d> Align(const PlaceView& candidate, std::vector<Match> matches, PlaceTrial& trial) const;
   void Refine(const PlaceView& candidate, const Similarity3d& candidate_from_query, PlaceVerdict& verdict);
   void Ask(KeyframeId candidate, const Similarity3d& candidate_from_query, PlaceVerdict& verdict);
   PlaceMatch MakeMatch(const PlaceView& candidate, const PlaceAlignment& alignment, const PlaceTrial& trial);

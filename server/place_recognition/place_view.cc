@@ -1,7 +1,7 @@
 #include "server/place_recognition/place_view.h"
 
 #include <algorithm>
-#include <unordered_set>
+#include <unordered_map>
 
 #include "common/base/check.h"
 #include "common/map/covisibility.h"
@@ -17,7 +17,7 @@ class ViewBuilder {
     view_.map = center.map;
     view_.landmark_at.assign(center.landmarks.size(), PlaceView::kNone);
     view_.grid = FeatureGrid(center.data->features.keypoints);
-    taken_.reserve(kUsualLandmarks);
+    index_.reserve(kUsualLandmarks);
     AddObserver(center);
     view_.central = view_.landmarks.size();
   }
@@ -37,19 +37,27 @@ class ViewBuilder {
  private:
   void AddLandmark(const Keyframe& keyframe, std::uint32_t keypoint, std::uint32_t observer) {
     const LandmarkId id = keyframe.landmarks[keypoint];
-    if (!taken_.insert(id).second) return;
+    const PlaceSighting sighting{observer, keypoint};
+    const auto [entry, is_new] = index_.emplace(id, static_cast<std::uint32_t>(view_.landmarks.size()));
+    if (!is_new) {
+      PlaceLandmark& known = view_.landmarks[entry->second];
+      if (Offset(observer) > Offset(known.far.observer)) known.far = sighting;
+      return;
+    }
     const Landmark* landmark = atlas_.FindLandmark(id);
     PANGAEA_CHECK(landmark != nullptr);
-    if (observer == 0) view_.landmark_at[keypoint] = static_cast<std::uint32_t>(view_.landmarks.size());
-    view_.landmarks.push_back({id, center_.camera_from_map * landmark->point_in_map, observer});
+    if (observer == 0) view_.landmark_at[keypoint] = entry->second;
+    view_.landmarks.push_back({id, center_.camera_from_map * landmark->point_in_map, sighting, sighting});
     view_.keypoints.push_back(keyframe.data->features.keypoints[keypoint]);
     view_.descriptors.push_back(keyframe.data->features.descriptors[keypoint]);
   }
 
+  double Offset(std::uint32_t observer) const { return view_.observers[observer].position.squaredNorm(); }
+
   const Atlas& atlas_;
   const Keyframe& center_;
   PlaceView view_;
-  std::unordered_set<LandmarkId> taken_;
+  std::unordered_map<LandmarkId, std::uint32_t> index_;  // into the view's landmarks
 };
 
 }  // namespace

@@ -24,11 +24,17 @@ struct PlaceObserver {
   Eigen::Vector3d position;  // of its camera, in the frame of the central one
 };
 
-// A landmark as one keyframe saw it.
+// Which keypoint of which observer shows a landmark.
+struct PlaceSighting {
+  std::uint32_t observer = 0;  // index into the observers
+  std::uint32_t keypoint = 0;
+};
+
 struct PlaceLandmark {
   LandmarkId id;
-  Eigen::Vector3d point;       // in the camera frame of the central keyframe, lengths of its map
-  std::uint32_t observer = 0;  // index into the observers
+  Eigen::Vector3d point;  // in the camera frame of the central keyframe, lengths of its map
+  PlaceSighting first;    // by the first of the observers that saw it
+  PlaceSighting far;      // by the one farthest from the central camera: it tells the distance
 };
 
 // What a keyframe and its best covisible ones know of a place, in the camera frame of that central keyframe. A value of
@@ -39,7 +45,7 @@ struct PlaceView {
   MapId map;
   std::vector<PlaceObserver> observers;    // the central one first
   std::vector<PlaceLandmark> landmarks;    // each once, those that the central keyframe sees first
-  std::vector<Keypoint> keypoints;         // by landmark: where its observer saw it
+  std::vector<Keypoint> keypoints;         // by landmark: where its first observer saw it
   std::vector<Descriptor> descriptors;     // by landmark: what it looked like there
   std::size_t central = 0;                 // landmarks of the central keyframe
   std::vector<std::uint32_t> landmark_at;  // by keypoint of the central keyframe; kNone where there is none

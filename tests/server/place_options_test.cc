@@ -18,7 +18,7 @@ TEST(PlaceRecognitionOptions, DefaultsAreInRangeAndANonsenseValueIsNamed) {
   EXPECT_NE(message([](auto& o) { o.geometry.min_inliers = 3; }).find("min_inliers"), std::string::npos);
   EXPECT_NE(message([](auto& o) { o.geometry.noise.pixel_sigma = 0.0; }).find("pixel_sigma"), std::string::npos);
   EXPECT_NE(message([](auto& o) { o.geometry.wide_radius = 1.0; }).find("wide_radius"), std::string::npos);
-  EXPECT_NE(message([](auto& o) { o.agreement.contradicting_share = 0.5; }).find("contradicting_share"),
+  EXPECT_NE(message([](auto& o) { o.agreement.contradicting_cell_share = 0.5; }).find("contradicting_cell_share"),
             std::string::npos);
   EXPECT_NE(message([](auto& o) { o.agreement.keyframes = 0; }).find("keyframes"), std::string::npos);
 }

@@ -194,7 +194,9 @@ class Replay {
                                  .norm()
                            : -1.0;
     std::printf("    %.4f m off, witnesses", off);
-    for (const PlaceWitness& witness : trial.witnesses) std::printf(" %zu/%zu", witness.found, witness.visible);
+    for (const PlaceWitness& witness : trial.witnesses)
+      std::printf(" %zu/%zu (%zu/%zu)", witness.found, witness.visible, witness.confirmed_cells,
+                  witness.expected_cells);
     std::printf("\n");
   }
 
