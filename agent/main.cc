@@ -108,6 +108,9 @@ void Describe(CLI::App& app, CommandLine& line) {
       ->type_name("FILE.tum");
   app.add_option("--report", options.report, "Write counts and timings")->type_name("FILE.json");
   app.add_flag("--no-server", line.no_server, "Track and map alone");
+  app.add_option("--vocabulary", options.vocabulary,
+                 "Words that places are recognised by, from `pangaea vocabulary` (default: those built in)")
+      ->type_name("FILE");
   app.add_option("--config", line.config, "YAML file with options; config/agent.yaml has them all, with their defaults")
       ->type_name("FILE");
   app.add_option("--domain", options.domain.id, "DDS domain, 0 to 230")->type_name("N")->capture_default_str();

@@ -44,6 +44,8 @@ Status ReadAgentConfig(const std::filesystem::path& path, AgentOptions& options)
   reader->Read("tracking.min_recovery_inliers", &tracking.min_recovery_inliers, Range{6, 1000});
   reader->Read("tracking.min_start_points", &tracking.min_start_points, Range{20, 5000});
   reader->Read("tracking.frames_until_new_map", &tracking.frames_until_new_map, Range{1, 100000});
+  reader->Read("tracking.max_position_sigma_m", &tracking.observability.max_sigma_m, Range{0.0001, 1000.0});
+  reader->Read("tracking.max_position_sigma_of_depth", &tracking.observability.max_sigma_of_depth, Range{0.0001, 1.0});
   reader->Read("tracking.max_templates", &tracking.max_templates, Range{1000, 1000000});
   reader->Read("tracking.max_landmarks", &tracking.search.max_landmarks, Range{20, 5000});
   reader->Read("tracking.patch_sigma", &tracking.search.patch_sigma, Range{0.05, 10.0});

@@ -29,6 +29,7 @@ struct AgentOptions {
   std::chrono::milliseconds flush_patience{30000};
   // The same where no server was ever seen: longer than the network takes to find one.
   std::chrono::milliseconds discovery_patience{5000};
+  std::filesystem::path vocabulary;  // empty: the one built into the program
   std::filesystem::path trajectory;  // empty: not written; likewise the next two
   std::filesystem::path live_trajectory;
   std::filesystem::path report;

@@ -10,6 +10,7 @@
 
 #include "agent/runtime/mapping_worker.h"
 #include "common/base/version.h"
+#include "common/place/vocabulary_file.h"
 #include "common/sensor/dataset.h"
 #include "common/sensor/frame_stream.h"
 #include "common/sensor/rectifier.h"
@@ -30,18 +31,20 @@ double SecondsOf(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
 
+bool BeginsMap(const TrackingResult& result) { return result.keyframe && !result.keyframe->reference.valid(); }
+
 // The part of a run that frames flow through, one by one.
 class FrameLoop {
  public:
   FrameLoop(std::optional<std::size_t> frame_count, const Rectifier& rectifier, const AgentOptions& options,
-            AgentRun& run, MappingWorker& worker)
+            std::shared_ptr<const VocabularyTree> vocabulary, AgentRun& run, MappingWorker& worker)
       : frame_count_(frame_count),
         rectifier_(rectifier),
         options_(options),
         run_(run),
         worker_(worker),
         camera_from_body_(rectifier.body_from_camera().Inverse()),
-        tracker_(run.session, rectifier.camera(), options.tracking, options.seed) {}
+        tracker_(run.session, rectifier.camera(), options.tracking, std::move(vocabulary), options.seed) {}
 
   void Run(FrameSource& source) {
     std::optional<MappingThread> thread;
@@ -51,7 +54,7 @@ class FrameLoop {
       TrackingResult result = Track(*frame, atlas);
       Record(frame->stamp_ns, result);
       const bool keyframe = result.keyframe.has_value();
-      const bool new_map = keyframe && !result.keyframe->reference.valid();
+      const bool new_map = BeginsMap(result);
       MappingInput input = MappingInputOf(std::move(result));
       if (!thread) {
         worker_.Process(std::move(input));
@@ -99,7 +102,7 @@ class FrameLoop {
       spdlog::info("started the first map");
     }
     if (result.state == TrackingState::kTracking && state_ == TrackingState::kLost) {
-      spdlog::info(result.closed_map ? "started a new map" : "found the camera again");
+      spdlog::info(BeginsMap(result) ? "started a new map" : "found the camera again");
     }
     state_ = result.state;
     if (Clock::now() - latest_progress_ < std::chrono::seconds(10)) return;
@@ -192,6 +195,8 @@ Result<AgentRun> RunAgent(const AgentOptions& options, const std::stop_token& st
   for (const std::string& warning : input.warnings) spdlog::warn("{}", warning);
   const auto rectifier = Rectifier::Create(input.rig, options.sensor);
   if (!rectifier) return tl::make_unexpected(rectifier.error());
+  auto vocabulary = OpenVocabulary(options.vocabulary.string());
+  if (!vocabulary) return Fail(vocabulary.error().code, "--vocabulary: " + vocabulary.error().message);
 
   AgentRun run;
   run.session = RandomSession();
@@ -204,7 +209,7 @@ Result<AgentRun> RunAgent(const AgentOptions& options, const std::stop_token& st
                frame_count ? std::to_string(*frame_count) : "unknown", input.kind,
                options.use_server ? "site " + options.site : "without a server");
   MappingWorker worker(run.session, options.mapping, link->uplink.get());
-  FrameLoop loop(frame_count, *rectifier, options, run, worker);
+  FrameLoop loop(frame_count, *rectifier, options, std::move(*vocabulary), run, worker);
   FrameSource source(*input.frames, options.rate);
   {
     const std::stop_callback stop_source(stop, [&source] { source.Stop(); });

@@ -16,34 +16,29 @@ constexpr std::size_t kFramesPerBatch = 20;
 
 MappingInput MappingInputOf(TrackingResult result) {
   MappingInput input;
-  input.closed_map = result.closed_map;
   input.keyframe = std::move(result.keyframe);
   if (result.tracked) input.frame = TrackedFrame{result.reference, result.pose};
   return input;
 }
 
 MappingWorker::MappingWorker(SessionId session, const LocalMappingOptions& options, UplinkThread* uplink)
-    : mapper_(session, options), uplink_(uplink), snapshot_(std::make_shared<const Atlas>()) {}
+    : session_(session), mapper_(session, options), uplink_(uplink), snapshot_(std::make_shared<const Atlas>()) {}
 
 void MappingWorker::Process(MappingInput input) {
-  if (input.closed_map) {
-    AddWaitingFrames();
-    mapper_.CloseMap(*input.closed_map);
-    open_map_.reset();
-  }
   if (input.keyframe) {
     AddWaitingFrames();
-    open_map_ = input.keyframe->map;
     mapper_.Insert(*input.keyframe, stages_);
   }
   if (input.frame) waiting_frames_.push_back(*input.frame);
   if (waiting_frames_.size() >= kFramesPerBatch) AddWaitingFrames();
-  if (input.keyframe || input.closed_map) Publish();
+  if (input.keyframe) Publish();
 }
 
 void MappingWorker::Finish() {
   AddWaitingFrames();
-  if (open_map_) mapper_.CloseMap(*open_map_);
+  for (const MapId map : mapper_.atlas().Maps()) {
+    if (map.session == session_) mapper_.CloseMap(map);
+  }
   Publish();
 }
 

@@ -16,7 +16,6 @@ namespace pangaea {
 
 // What one tracked frame means for the map.
 struct MappingInput {
-  std::optional<MapId> closed_map;
   std::optional<KeyframeCandidate> keyframe;
   std::optional<TrackedFrame> frame;
 };
@@ -30,7 +29,8 @@ class MappingWorker {
   MappingWorker(SessionId session, const LocalMappingOptions& options, UplinkThread* uplink);
 
   void Process(MappingInput input);
-  // Closes the map at hand and hands on what is still waiting. Afterwards the atlas changes no more.
+  // Closes the session's maps, which until then the camera may come back to, and hands on what is still waiting.
+  // Afterwards the atlas changes no more.
   void Finish();
   // Sends everything exactly, and adopts what the uplink asks for. After Finish.
   Status Flush(std::chrono::milliseconds patience);
@@ -42,10 +42,10 @@ class MappingWorker {
   void AddWaitingFrames();
   void Publish();
 
+  const SessionId session_;
   LocalMapper mapper_;
   UplinkThread* uplink_;
   StageClock stages_;
-  std::optional<MapId> open_map_;
   std::vector<TrackedFrame> waiting_frames_;
   Published<Atlas> snapshot_;
 };

@@ -40,11 +40,11 @@ std::vector<PoseObservation> Observations(const KeyframeView& view, const Featur
 
 }  // namespace
 
-std::optional<Relocalized> Relocalize(const IdealCamera& camera, const Features& features, const Atlas& atlas,
-                                      std::span<const KeyframeId> candidates, const RelocalizationOptions& options,
-                                      std::uint64_t seed) {
-  std::optional<Relocalized> best;
-  for (const KeyframeId id : candidates.first(std::min(candidates.size(), options.max_candidates))) {
+std::vector<Relocalized> Relocalize(const IdealCamera& camera, const Features& features, const Atlas& atlas,
+                                    std::span<const KeyframeId> candidates, const RelocalizationOptions& options,
+                                    std::uint64_t seed) {
+  std::vector<Relocalized> poses;
+  for (const KeyframeId id : candidates) {
     const Keyframe* keyframe = atlas.FindKeyframe(id);
     if (keyframe == nullptr) continue;
     const KeyframeView view = ViewOf(atlas, *keyframe);
@@ -53,10 +53,11 @@ std::optional<Relocalized> Relocalize(const IdealCamera& camera, const Features&
     if (matches.size() < options.min_matches) continue;
     const auto observations = Observations(view, features, matches, options.sigma);
     const auto pose = EstimateAbsolutePose(camera, observations, options.pose, seed);
-    if (!pose || (best && best->inliers >= pose->pose.inliers)) continue;
-    best = Relocalized{id, pose->pose.camera_from_map, pose->pose.inliers};
+    if (pose) poses.push_back({id, pose->pose.camera_from_map, pose->pose.inliers});
   }
-  return best;
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const Relocalized& a, const Relocalized& b) { return a.inliers > b.inliers; });
+  return poses;
 }
 
 }  // namespace pangaea

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
+#include <vector>
 
 #include "common/estimation/absolute_pose.h"
 #include "common/features/matching.h"
@@ -11,9 +11,8 @@
 namespace pangaea {
 
 struct RelocalizationOptions {
-  std::size_t max_candidates = 12;  // keyframes compared with the frame, descriptor by descriptor
-  std::size_t min_matches = 15;     // fewer are not worth an attempt at a pose
-  double sigma = 1.2;               // pixels at octave 0: corners of two images, found independently
+  std::size_t min_matches = 15;  // fewer are not worth an attempt at a pose
+  double sigma = 1.2;            // pixels at octave 0: corners of two images, found independently
   MatchOptions matching;
   AbsolutePoseOptions pose;
 };
@@ -24,10 +23,11 @@ struct Relocalized {
   int inliers = 0;
 };
 
-// Finds the pose of a frame from its features alone: descriptors against each candidate keyframe's landmarks, then a
-// perspective-n-point RANSAC. Returns the candidate with most inliers. The seed fixes the samples.
-std::optional<Relocalized> Relocalize(const IdealCamera& camera, const Features& features, const Atlas& atlas,
-                                      std::span<const KeyframeId> candidates, const RelocalizationOptions& options,
-                                      std::uint64_t seed);
+// Poses of a frame from its features alone: descriptors against each candidate keyframe's landmarks, then a three-point
+// RANSAC. One for each candidate that gives one, most inliers first, of equals the earlier candidate. The seed fixes
+// the samples.
+std::vector<Relocalized> Relocalize(const IdealCamera& camera, const Features& features, const Atlas& atlas,
+                                    std::span<const KeyframeId> candidates, const RelocalizationOptions& options,
+                                    std::uint64_t seed);
 
 }  // namespace pangaea

@@ -25,13 +25,18 @@ std::optional<Rigid3d> PoseOf(const Atlas& atlas, KeyframeId id) {
   return resolved->keyframe_from_asked.Inverse() * resolved->keyframe->camera_from_map;
 }
 
-// Points in the camera frame of all keypoints with depth.
-std::vector<Eigen::Vector3d> StereoPoints(const KeyframeData& data) {
+bool IsInMap(const Atlas& atlas, KeyframeId id, MapId map) {
+  const Keyframe* keyframe = atlas.FindKeyframe(atlas.Resolve(id));
+  return keyframe != nullptr && keyframe->map == map;
+}
+
+// Points in the camera frame of all keypoints with a depth up to `max_depth`.
+std::vector<Eigen::Vector3d> StereoPoints(const KeyframeData& data, double max_depth) {
   std::vector<Eigen::Vector3d> points;
   for (const Keypoint& keypoint : data.features.keypoints) {
     if (!keypoint.has_depth()) continue;
     const double depth = data.camera.focal_x * data.camera.baseline / (keypoint.u - keypoint.u_right);
-    points.push_back(data.camera.Unproject({keypoint.u, keypoint.v}) * depth);
+    if (depth <= max_depth) points.push_back(data.camera.Unproject({keypoint.u, keypoint.v}) * depth);
   }
   return points;
 }
@@ -58,14 +63,15 @@ KeyframeId BestReference(const Atlas& atlas, const LocatedFrame& located, const 
 
 }  // namespace
 
-Tracker::Tracker(SessionId session, const IdealCamera& camera, const TrackingOptions& options, std::uint64_t seed)
+Tracker::Tracker(SessionId session, const IdealCamera& camera, const TrackingOptions& options,
+                 std::shared_ptr<const VocabularyTree> vocabulary, std::uint64_t seed)
     : session_(session),
       camera_(camera),
       options_(options),
-      seed_(seed),
       builder_(camera, options.orb, options.stereo),
       decision_(options.keyframes),
-      templates_(options.max_templates) {}
+      templates_(options.max_templates),
+      recognition_(camera, options.recognition, std::move(vocabulary), seed) {}
 
 TrackingResult Tracker::Track(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
                               const std::shared_ptr<const Atlas>& atlas, StageRecorder& stages) {
@@ -92,6 +98,7 @@ void Tracker::AdoptSnapshot(const std::shared_ptr<const Atlas>& atlas) {
   PANGAEA_CHECK(atlas != nullptr);
   if (atlas_ == atlas) return;
   atlas_ = atlas;
+  recognition_.Follow(*atlas_);
   if (!map_.valid() || awaits_first_keyframe(*atlas_)) return;
   for (RecentKeyframe& keyframe : recent_keyframes_) {
     HarvestTemplates(*atlas_, keyframe.id, keyframe.image, options_.new_view_angle, templates_);
@@ -115,27 +122,26 @@ std::optional<Rigid3d> Tracker::PreviousPose() const {
 void Tracker::TrackKnownMap(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
                             StageRecorder& stages) {
   std::optional<LocatedFrame> located = LocateByMotion(stamp_ns, stages);
-  if (!located || located->pose.inliers < options_.weak_inliers) {
-    // A thin result may be a wrong one: what is recognised without any prediction decides if it explains more.
-    auto recognised = LocateByRecognition(left, stages);
-    if (recognised && (!located || recognised->frame.pose.inliers > located->pose.inliers)) {
-      located = std::move(recognised->frame);
-      local_map_ = std::move(recognised->local_map);
-      reference_ = local_map_.keyframes.front();
-    }
+  if (!located) {
+    located = LocateAnywhere(left, stages);
+  } else if (located->pose.inliers < options_.weak_inliers) {
+    located = LocateAgain(left, std::move(*located), stages);
   }
-  if (located) {
-    FinishTracked(stamp_ns, *located, result);
-    ConsiderKeyframe(stamp_ns, left, right, *located, result, stages);
-    return;
-  }
-  result.state = TrackingState::kLost;
-  ++frames_lost_;
-  if (frames_lost_ >= options_.frames_until_new_map) StartMap(stamp_ns, left, right, result, stages);
+  if (!located) return Lose(stamp_ns, left, right, result, stages);
+  FinishTracked(stamp_ns, *located, result);
+  ConsiderKeyframe(stamp_ns, left, right, *located, result, stages);
 }
 
-bool Tracker::IsTrusted(const LocatedFrame& located, int min_inliers) const {
-  return located.pose.inliers >= min_inliers && located.pose.inliers >= options_.min_agreement * located.found;
+void Tracker::Lose(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
+                   StageRecorder& stages) {
+  result.state = TrackingState::kLost;
+  ++frames_lost_;
+  if (frames_searched_ >= options_.frames_until_new_map) StartMap(stamp_ns, left, right, result, stages);
+}
+
+bool Tracker::IsTrusted(const LocatedFrame& located, const LocalMap& local_map, int min_inliers) const {
+  return located.pose.inliers >= min_inliers && located.pose.inliers >= options_.min_agreement * located.found &&
+         PositionIsObservable(located, local_map, camera_.is_stereo(), options_.observability);
 }
 
 std::optional<LocatedFrame> Tracker::LocateByMotion(std::int64_t stamp_ns, StageRecorder& stages) {
@@ -156,36 +162,63 @@ std::optional<LocatedFrame> Tracker::LocateByMotion(std::int64_t stamp_ns, Stage
     auto again = LocateFrame(current_image_, camera_, located->pose.camera_from_map, local_map_, options_.search);
     if (again && again->pose.inliers > located->pose.inliers) located = std::move(again);
   }
-  if (!located || !IsTrusted(*located, options_.min_inliers)) return std::nullopt;
+  if (!located || !IsTrusted(*located, local_map_, options_.min_inliers)) return std::nullopt;
   return located;
 }
 
-std::optional<Tracker::RecognisedFrame> Tracker::LocateByRecognition(const cv::Mat& left, StageRecorder& stages) {
+// In all maps.
+std::optional<LocatedFrame> Tracker::LocateAnywhere(const cv::Mat& left, StageRecorder& stages) {
   StageScope scope(stages, "tracking.relocalization");
   const Features features = builder_.Extract(left);
-  const auto recognised = Relocalize(camera_, features, *atlas_, local_map_.keyframes, options_.relocalization, seed_);
+  if (std::cmp_less(features.keypoints.size(), options_.min_start_points)) return std::nullopt;
+  ++frames_searched_;
+  auto recognised =
+      Recognise(features, recognition_.Candidates(features, local_map_.keyframes), options_.min_recovery_inliers);
   if (!recognised) return std::nullopt;
-  RecognisedFrame result;
-  result.local_map = CollectLocalMap(*atlas_, recognised->keyframe, templates_, local_map_, options_.local_map);
-  auto located = LocateFrame(current_image_, camera_, recognised->camera_from_map, result.local_map, options_.search);
-  if (!located || !IsTrusted(*located, options_.min_recovery_inliers)) return std::nullopt;
-  result.frame = std::move(*located);
-  return result;
+  return Enter(std::move(*recognised));
+}
+
+// A thin result may be a wrong one: what is recognised nearby without any prediction decides if it explains more.
+LocatedFrame Tracker::LocateAgain(const cv::Mat& left, LocatedFrame thin, StageRecorder& stages) {
+  StageScope scope(stages, "tracking.relocalization");
+  auto recognised = Recognise(builder_.Extract(left), local_map_.keyframes, options_.min_recovery_inliers);
+  if (!recognised || recognised->frame.located.pose.inliers <= thin.pose.inliers) return thin;
+  return Enter(std::move(*recognised));
+}
+
+std::optional<RecognisedFrame> Tracker::Recognise(const Features& features, std::span<const KeyframeId> candidates,
+                                                  int min_inliers) const {
+  return recognition_.Locate(
+      features, *atlas_, candidates,
+      [&](KeyframeId id) { return CollectLocalMap(*atlas_, id, templates_, local_map_, options_.local_map); },
+      [&](const LocatedFrame& located, const LocalMap& local_map) {
+        return IsTrusted(located, local_map, min_inliers);
+      });
+}
+
+// Goes on where the frame was recognised. The better of both: what descriptors found there, or what templates find.
+LocatedFrame Tracker::Enter(RecognisedFrame recognised) {
+  map_ = recognised.map;
+  first_keyframe_ = atlas_->FindMap(map_)->root;
+  local_map_ = std::move(recognised.local_map);
+  reference_ = local_map_.keyframes.front();
+  LocatedFrame& by_descriptors = recognised.frame.located;
+  auto by_patches =
+      LocateFrame(current_image_, camera_, by_descriptors.pose.camera_from_map, local_map_, options_.search);
+  lacks_templates_ = !by_patches || by_patches->pose.inliers < by_descriptors.pose.inliers ||
+                     !IsTrusted(*by_patches, local_map_, options_.min_inliers);
+  return lacks_templates_ ? std::move(by_descriptors) : std::move(*by_patches);
 }
 
 void Tracker::FinishTracked(std::int64_t stamp_ns, const LocatedFrame& located, TrackingResult& result) {
   const Rigid3d& camera_from_map = located.pose.camera_from_map;
   const KeyframeId reference = BestReference(*atlas_, located, local_map_, reference_);
   const Rigid3d& reference_from_map = atlas_->FindKeyframe(reference)->camera_from_map;
-  const auto previous_pose = PreviousPose();
   Previous previous;
   previous.reference = reference;
   previous.reference_from_frame = reference_from_map * camera_from_map.Inverse();
   previous.stamp_ns = stamp_ns;
-  // After a loss the motion is not known.
-  if (previous_pose && frames_lost_ == 0 && stamp_ns > previous_->stamp_ns) {
-    previous.velocity = (camera_from_map * previous_pose->Inverse()).Log() / Seconds(stamp_ns - previous_->stamp_ns);
-  }
+  previous.velocity = VelocityInto(stamp_ns, camera_from_map);
   for (const LandmarkMatch& match : located.matches) {
     previous.points_in_camera.push_back(camera_from_map *
                                         local_map_.landmarks[static_cast<std::size_t>(match.landmark)].point_in_map);
@@ -199,15 +232,27 @@ void Tracker::FinishTracked(std::int64_t stamp_ns, const LocatedFrame& located, 
   result.inliers = located.pose.inliers;
   previous_ = std::move(previous);
   frames_lost_ = 0;
+  frames_searched_ = 0;
+}
+
+// Of the camera; zero where the motion is not known, as after a loss.
+Vector6d Tracker::VelocityInto(std::int64_t stamp_ns, const Rigid3d& camera_from_map) const {
+  if (!previous_ || frames_lost_ > 0) return Vector6d::Zero();
+  if (stamp_ns <= previous_->stamp_ns) return previous_->velocity;  // the same frame, now in another map
+  const auto previous_pose = PreviousPose();
+  if (!previous_pose || !IsInMap(*atlas_, previous_->reference, map_)) return Vector6d::Zero();
+  return (camera_from_map * previous_pose->Inverse()).Log() / Seconds(stamp_ns - previous_->stamp_ns);
 }
 
 void Tracker::ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
                                const LocatedFrame& located, TrackingResult& result, StageRecorder& stages) {
   const KeyframeEvidence evidence = GatherEvidence(camera_, located, local_map_, options_.keyframes);
   const Rigid3d& camera_from_map = located.pose.camera_from_map;
-  if (decision_.IsDue(evidence, NearestView(camera_from_map, evidence.median_depth), MappingIsBusy())) {
+  const bool due = decision_.IsDue(evidence, NearestView(camera_from_map, evidence.median_depth), MappingIsBusy());
+  if (due || (lacks_templates_ && !MappingIsBusy())) {
     StageScope scope(stages, "tracking.keyframe");
     BuiltKeyframe built = builder_.Build(stamp_ns, left, right, &located, local_map_, stages);
+    EnterLargerMap(stamp_ns, built, result, stages);
     KeyframeCandidate candidate;
     candidate.id = KeyframeId{session_, ++keyframes_made_};
     candidate.map = map_;
@@ -221,8 +266,33 @@ void Tracker::ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const
     result.pose.reference_from_frame = Rigid3d();
     result.keyframe = std::move(candidate);
     decision_.Restart();
+    lacks_templates_ = false;
   }
   if (previous_->reference != reference_) RebuildLocalMap(previous_->reference);
+}
+
+// A small map is left for a larger one as soon as its place is recognised: after a loss the camera mostly comes back to
+// where it was.
+void Tracker::EnterLargerMap(std::int64_t stamp_ns, BuiltKeyframe& built, TrackingResult& result,
+                             StageRecorder& stages) {
+  const std::uint32_t size = atlas_->FindMap(map_)->keyframes;
+  const auto maps = atlas_->Maps();
+  const auto is_larger = [&](MapId map) { return atlas_->FindMap(map)->keyframes > size; };
+  if (std::none_of(maps.begin(), maps.end(), is_larger)) return;
+  StageScope scope(stages, "tracking.relocalization");
+  const Features& features = built.data->features;
+  const auto admits = [&](KeyframeId id) { return is_larger(atlas_->FindKeyframe(id)->map); };
+  auto recognised = Recognise(features, recognition_.Candidates(features, {}, admits), options_.weak_inliers);
+  if (!recognised) return;
+  built.landmarks.assign(features.keypoints.size(), LandmarkId{});
+  const GuidedFrame& frame = recognised->frame;
+  for (std::size_t i = 0; i < frame.keypoints.size(); ++i) {
+    const LandmarkMatch& match = frame.located.matches[i];
+    built.landmarks[frame.keypoints[i]] = recognised->local_map.landmarks[static_cast<std::size_t>(match.landmark)].id;
+  }
+  const LocatedFrame by_descriptors = frame.located;
+  Enter(std::move(*recognised));
+  FinishTracked(stamp_ns, by_descriptors, result);
 }
 
 double Tracker::NearestView(const Rigid3d& camera_from_map, double median_depth) const {
@@ -243,25 +313,27 @@ double Tracker::NearestView(const Rigid3d& camera_from_map, double median_depth)
 bool Tracker::StartMap(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
                        StageRecorder& stages) {
   BuiltKeyframe built = builder_.Build(stamp_ns, left, right, nullptr, local_map_, stages);
-  if (built.keypoints_with_depth < options_.min_start_points) return false;
-  if (map_.valid()) result.closed_map = map_;
+  const std::vector<Eigen::Vector3d> points =
+      StereoPoints(*built.data, options_.start_depth_baselines * camera_.baseline);
+  if (std::cmp_less(points.size(), options_.min_start_points)) return false;
   map_ = MapId{session_, ++maps_made_};
   first_keyframe_ = KeyframeId{session_, ++keyframes_made_};
   reference_ = first_keyframe_;
-  templates_.Clear();
   local_map_ = LocalMap{};
   recent_keyframes_.clear();
   RememberKeyframe(first_keyframe_, KeyframeId{}, Rigid3d());
   decision_.Restart();
   frames_lost_ = 0;
-  previous_ = Previous{first_keyframe_, Rigid3d(), stamp_ns, Vector6d::Zero(), StereoPoints(*built.data)};
+  frames_searched_ = 0;
+  lacks_templates_ = false;
+  previous_ = Previous{first_keyframe_, Rigid3d(), stamp_ns, Vector6d::Zero(), points};
   result.state = TrackingState::kTracking;
   result.tracked = true;
   result.map = map_;
   result.reference = first_keyframe_;
   result.pose = FramePose{stamp_ns, Rigid3d()};
   result.camera_from_map = Rigid3d();
-  result.inliers = built.keypoints_with_depth;
+  result.inliers = static_cast<int>(points.size());
   result.keyframe =
       KeyframeCandidate{first_keyframe_, map_, std::move(built.data), {}, Rigid3d(), std::move(built.landmarks)};
   return true;

@@ -12,7 +12,7 @@
 #include "agent/tracking/keyframe_decision.h"
 #include "agent/tracking/local_map.h"
 #include "agent/tracking/patch_search.h"
-#include "agent/tracking/relocalization.h"
+#include "agent/tracking/recognition.h"
 #include "agent/tracking/sparse_alignment.h"
 #include "agent/tracking/template_store.h"
 #include "agent/tracking/tracking_options.h"
@@ -36,9 +36,7 @@ struct TrackingResult {
   FramePose pose;           // relative to `reference`
   Rigid3d camera_from_map;  // as known now; later corrections move the reference
   int inliers = 0;
-  // For local mapping, in this order.
-  std::optional<MapId> closed_map;
-  std::optional<KeyframeCandidate> keyframe;
+  std::optional<KeyframeCandidate> keyframe;  // for local mapping; one without a reference begins a map
 };
 
 // Follows the camera from frame to frame in the agent's map. Between keyframes landmarks are tracked by aligning
@@ -46,8 +44,9 @@ struct TrackingResult {
 // keyframes. The result depends on the images and snapshots given alone. One owner thread.
 class Tracker {
  public:
-  // `options` have passed Check().
-  Tracker(SessionId session, const IdealCamera& camera, const TrackingOptions& options, std::uint64_t seed);
+  // `options` have passed Check(). `vocabulary` is what known places are recognised by.
+  Tracker(SessionId session, const IdealCamera& camera, const TrackingOptions& options,
+          std::shared_ptr<const VocabularyTree> vocabulary, std::uint64_t seed);
 
   // One frame. `left` is rectified and must not change afterwards; `atlas` is the newest snapshot of local mapping.
   // Stage "tracking" and its parts.
@@ -74,20 +73,22 @@ class Tracker {
     Rigid3d camera_from_reference;
   };
 
-  // A frame found without a prediction, and the local map of the place, which its matches refer to.
-  struct RecognisedFrame {
-    LocatedFrame frame;
-    LocalMap local_map;
-  };
-
   void AdoptSnapshot(const std::shared_ptr<const Atlas>& atlas);
   void RebuildLocalMap(KeyframeId reference);
   std::optional<Rigid3d> PreviousPose() const;
   void TrackKnownMap(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
                      StageRecorder& stages);
-  bool IsTrusted(const LocatedFrame& located, int min_inliers) const;
+  bool IsTrusted(const LocatedFrame& located, const LocalMap& local_map, int min_inliers) const;
   std::optional<LocatedFrame> LocateByMotion(std::int64_t stamp_ns, StageRecorder& stages);
-  std::optional<RecognisedFrame> LocateByRecognition(const cv::Mat& left, StageRecorder& stages);
+  std::optional<LocatedFrame> LocateAnywhere(const cv::Mat& left, StageRecorder& stages);
+  LocatedFrame LocateAgain(const cv::Mat& left, LocatedFrame thin, StageRecorder& stages);
+  std::optional<RecognisedFrame> Recognise(const Features& features, std::span<const KeyframeId> candidates,
+                                           int min_inliers) const;
+  LocatedFrame Enter(RecognisedFrame recognised);
+  void EnterLargerMap(std::int64_t stamp_ns, BuiltKeyframe& built, TrackingResult& result, StageRecorder& stages);
+  void Lose(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
+            StageRecorder& stages);
+  Vector6d VelocityInto(std::int64_t stamp_ns, const Rigid3d& camera_from_map) const;
   void FinishTracked(std::int64_t stamp_ns, const LocatedFrame& located, TrackingResult& result);
   void ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
                         const LocatedFrame& located, TrackingResult& result, StageRecorder& stages);
@@ -100,13 +101,13 @@ class Tracker {
   const SessionId session_;
   const IdealCamera camera_;
   const TrackingOptions options_;
-  const std::uint64_t seed_;
   KeyframeBuilder builder_;
   KeyframeDecision decision_;
   TemplateStore templates_;
+  Recognition recognition_;
 
   std::shared_ptr<const Atlas> atlas_;
-  MapId map_;                  // none before the first map and after a map was closed
+  MapId map_;                  // none before the first map
   KeyframeId first_keyframe_;  // of map_
   KeyframeId reference_;       // of the local map
   LocalMap local_map_;
@@ -115,6 +116,8 @@ class Tracker {
   ImagePyramid previous_image_;
   std::deque<RecentKeyframe> recent_keyframes_;
   int frames_lost_ = 0;
+  int frames_searched_ = 0;       // of the lost ones, those that showed something
+  bool lacks_templates_ = false;  // of what is in view: a keyframe here would give them
   std::uint32_t keyframes_made_ = 0;
   std::uint32_t maps_made_ = 0;
 };

@@ -3,7 +3,8 @@
 #include "agent/tracking/keyframe_decision.h"
 #include "agent/tracking/local_map.h"
 #include "agent/tracking/patch_search.h"
-#include "agent/tracking/relocalization.h"
+#include "agent/tracking/pose_observability.h"
+#include "agent/tracking/recognition.h"
 #include "agent/tracking/sparse_alignment.h"
 #include "common/base/result.h"
 #include "common/features/orb_extractor.h"
@@ -17,9 +18,12 @@ struct TrackingOptions {
   // one patches are found by chance and contradict each other.
   double min_agreement = 0.5;
   int weak_inliers = 60;  // with fewer the frame is searched again, and compared with what descriptors recognise
-  int min_recovery_inliers = 30;      // ... after the camera was lost: a wrong place must not pass
-  int min_start_points = 100;         // keypoints with depth that a new map starts from, at least
-  int frames_until_new_map = 20;      // lost frames before the map is closed and a new one started; 1 s at 20 Hz
+  int min_recovery_inliers = 30;         // ... after the camera was lost: a wrong place must not pass
+  int min_start_points = 100;            // keypoints with depth that a new map starts from, at least
+  double start_depth_baselines = 120.0;  // depth beyond so many baselines gives it no landmark
+  // Lost frames that show something before the map is left and a new one started; half a second at 20 Hz. A known place
+  // is mostly recognised in the first of them. Dark ones do not count: the place may be known when the light is back.
+  int frames_until_new_map = 10;
   int frames_predicted = 5;           // lost frames during which the latest motion still predicts the pose
   int pyramid_levels = 5;             // factor-2 levels for patch tracking
   std::size_t max_templates = 12000;  // landmarks with templates kept, about 1.2 KB a view
@@ -29,7 +33,8 @@ struct TrackingOptions {
   LocalMapOptions local_map;
   PatchSearchOptions search;
   SparseAlignmentOptions sparse_alignment;
-  RelocalizationOptions relocalization;
+  ObservabilityOptions observability;
+  RecognitionOptions recognition;
   OrbOptions orb;
   StereoOptions stereo;
 

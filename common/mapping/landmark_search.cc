@@ -18,18 +18,6 @@ bool IsOld(const Landmark& landmark, const Keyframe& keyframe, const LandmarkSea
   return newest.session != keyframe.id.session || newest.counter + options.old_after < keyframe.id.counter;
 }
 
-ProjectionQuery MakeProjectionQuery(const Atlas& atlas, const PredictedView& view, double radius, int tolerance) {
-  const Features& features = atlas.FindKeyframe(view.nearest.keyframe)->data->features;
-  const double scaled = radius * OctaveSigma(std::clamp(view.octave, 0, kOctaves - 1));
-  return {.u = static_cast<float>(view.measurement.x()),
-          .v = static_cast<float>(view.measurement.y()),
-          .u_right = static_cast<float>(view.measurement.z()),
-          .radius = static_cast<float>(scaled),
-          .min_octave = std::max(0, view.octave - tolerance),
-          .max_octave = std::min(kOctaves - 1, view.octave + tolerance),
-          .descriptor = features.descriptors[view.nearest.keypoint]};
-}
-
 const Keypoint& KeypointOf(const Atlas& atlas, const Observation& observation) {
   return atlas.FindKeyframe(observation.keyframe)->data->features.keypoints[observation.keypoint];
 }

@@ -64,4 +64,16 @@ std::optional<PredictedView> PredictView(const Atlas& atlas, const Landmark& lan
                        .nearest = nearest.observation};
 }
 
+ProjectionQuery MakeProjectionQuery(const Atlas& atlas, const PredictedView& view, double radius, int tolerance) {
+  const Features& features = atlas.FindKeyframe(view.nearest.keyframe)->data->features;
+  const double scaled = radius * OctaveSigma(std::clamp(view.octave, 0, kOctaves - 1));
+  return {.u = static_cast<float>(view.measurement.x()),
+          .v = static_cast<float>(view.measurement.y()),
+          .u_right = static_cast<float>(view.measurement.z()),
+          .radius = static_cast<float>(scaled),
+          .min_octave = std::max(0, view.octave - tolerance),
+          .max_octave = std::min(kOctaves - 1, view.octave + tolerance),
+          .descriptor = features.descriptors[view.nearest.keypoint]};
+}
+
 }  // namespace pangaea

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "common/features/matching.h"
 #include "common/geometry/ideal_camera.h"
 #include "common/geometry/rigid3.h"
 #include "common/map/atlas.h"
@@ -36,5 +37,9 @@ std::optional<PredictedView> PredictView(const Atlas& atlas, const Landmark& lan
 // On which octave a patch has the size that it had on `octave` at `distance`, seen from `new_distance`. One step
 // outside of the octaves where it is out of their range.
 int PredictOctave(int octave, double distance, double new_distance);
+
+// Looks there, within `radius` pixels of the octave and on octaves up to `octave_tolerance` from the predicted one, for
+// what the landmark looked like in the nearest view.
+ProjectionQuery MakeProjectionQuery(const Atlas& atlas, const PredictedView& view, double radius, int octave_tolerance);
 
 }  // namespace pangaea

@@ -28,6 +28,8 @@ std::map<std::string, double> ValuesOf(const AgentOptions& options) {
       {"tracking.min_recovery_inliers", number(tracking.min_recovery_inliers)},
       {"tracking.min_start_points", number(tracking.min_start_points)},
       {"tracking.frames_until_new_map", number(tracking.frames_until_new_map)},
+      {"tracking.max_position_sigma_m", tracking.observability.max_sigma_m},
+      {"tracking.max_position_sigma_of_depth", tracking.observability.max_sigma_of_depth},
       {"tracking.max_templates", number(tracking.max_templates)},
       {"tracking.max_landmarks", number(tracking.search.max_landmarks)},
       {"tracking.patch_sigma", tracking.search.patch_sigma},

@@ -95,5 +95,14 @@ TEST_F(AgentRunTest, ADatasetThatIsNotThereIsAnErrorThatNamesIt) {
   EXPECT_NE(run.error().message.find("/nowhere/at_all"), std::string::npos);
 }
 
+TEST_F(AgentRunTest, AVocabularyThatIsMissingIsNamedWithItsOption) {
+  AgentOptions options = Options();
+  options.vocabulary = "no_such_vocabulary.bin";
+  const auto run = RunAgent(options, {});
+  ASSERT_FALSE(run);
+  EXPECT_NE(run.error().message.find("--vocabulary"), std::string::npos);
+  EXPECT_NE(run.error().message.find("no_such_vocabulary.bin"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace pangaea

@@ -1,0 +1,35 @@
+#include "agent/tracking/pose_observability.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace pangaea {
+namespace {
+
+double MedianDepth(const LocatedFrame& located, const LocalMap& local_map) {
+  std::vector<double> depths;
+  for (const LandmarkMatch& match : located.matches) {
+    const LocalLandmark& landmark = local_map.landmarks[static_cast<std::size_t>(match.landmark)];
+    depths.push_back((located.pose.camera_from_map * landmark.point_in_map).z());
+  }
+  if (depths.empty()) return 0.0;
+  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  return *middle;
+}
+
+}  // namespace
+
+Status ObservabilityOptions::Check() const {
+  if (max_sigma_m > 0.0 && max_sigma_of_depth > 0.0) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              "tracking: max_position_sigma_m and max_position_sigma_of_depth must be greater than 0");
+}
+
+bool PositionIsObservable(const LocatedFrame& located, const LocalMap& local_map, bool metric,
+                          const ObservabilityOptions& options) {
+  const double sigma = TranslationSigmas(located.pose.information).maxCoeff();
+  return sigma < (metric ? options.max_sigma_m : options.max_sigma_of_depth * MedianDepth(located, local_map));
+}
+
+}  // namespace pangaea

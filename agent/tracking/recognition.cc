@@ -1,0 +1,34 @@
+#include "agent/tracking/recognition.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace pangaea {
+
+Recognition::Recognition(const IdealCamera& camera, const RecognitionOptions& options,
+                         std::shared_ptr<const VocabularyTree> vocabulary, std::uint64_t seed)
+    : camera_(camera), options_(options), seed_(seed), memory_(std::move(vocabulary)) {}
+
+std::vector<KeyframeId> Recognition::Candidates(const Features& features, std::span<const KeyframeId> nearby,
+                                                const InvertedIndex::Admits& admits) const {
+  std::vector<KeyframeId> candidates = memory_.Candidates(features.descriptors, options_.place_candidates, admits);
+  for (const KeyframeId id : nearby.first(std::min(nearby.size(), options_.local_candidates))) {
+    if (std::find(candidates.begin(), candidates.end(), id) == candidates.end()) candidates.push_back(id);
+  }
+  return candidates;
+}
+
+std::optional<RecognisedFrame> Recognition::Locate(const Features& features, const Atlas& atlas,
+                                                   std::span<const KeyframeId> candidates,
+                                                   const Surroundings& surroundings, const Trust& trust) const {
+  const auto poses = Relocalize(camera_, features, atlas, candidates, options_.relocalization, seed_);
+  for (std::size_t i = 0; i < std::min(poses.size(), options_.verified); ++i) {
+    LocalMap local_map = surroundings(poses[i].keyframe);
+    auto frame = LocateByDescriptors(camera_, features, atlas, poses[i].camera_from_map, local_map, options_.guided);
+    if (!frame || !trust(frame->located, local_map)) continue;
+    return RecognisedFrame{atlas.FindKeyframe(poses[i].keyframe)->map, std::move(*frame), std::move(local_map)};
+  }
+  return std::nullopt;
+}
+
+}  // namespace pangaea
