@@ -5,11 +5,12 @@
 #include "cli/plot.h"
 #include "cli/simulate.h"
 #include "cli/status.h"
+#include "cli/undo.h"
 #include "cli/vocabulary.h"
 
 int main(int argc, char** argv) {
   using namespace pangaea;
   return RunCommandLine({StatusCommand(), EvaluateCommand(), PlotCommand(), ExportCommand(), SimulateCommand(),
-                         DigestCommand(), VocabularyCommand()},
+                         DigestCommand(), UndoCommand(), VocabularyCommand()},
                         argc, argv);
 }

@@ -28,6 +28,7 @@ struct CommandLine {
   std::optional<std::string> store;
   std::optional<std::uint32_t> domain;
   std::optional<std::string> log_level;
+  bool no_recognition = false;
 };
 
 void Declare(CLI::App& app, CommandLine& line) {
@@ -37,6 +38,8 @@ void Declare(CLI::App& app, CommandLine& line) {
   app.add_option("--config", line.config, "YAML file with options; see config/server.yaml. The command line wins");
   app.add_option("--domain", line.domain, "DDS domain, 0 to 230 (default: 0)");
   app.add_option("--log-level", line.log_level, "trace, debug, info, warn, error or off (default: info)");
+  app.add_flag("--no-recognition", line.no_recognition,
+               "Leave maps as their agents made them: no merges, no loops, no optimisation");
   app.footer(
       "Runs until SIGTERM or SIGINT (exit code 0). CYCLONEDDS_URI chooses the network; without it agents on this\n"
       "machine alone are served, over loopback. Look at the atlas with: pangaea status --watch");
@@ -51,6 +54,7 @@ Result<ServerOptions> OptionsOf(const CommandLine& line) {
   if (line.store) options.store = *line.store;
   if (line.domain) options.domain.id = *line.domain;
   if (line.log_level) options.log_level = *line.log_level;
+  if (line.no_recognition) options.work.enabled = false;
   if (auto status = options.Check(); !status) return tl::make_unexpected(status.error());
   return options;
 }

@@ -21,6 +21,7 @@ enum class AtlasEventKind : std::uint32_t {
   kRejected = 9,
   kStoreFailed = 10,
   kStoreRecovered = 11,
+  kWeldRefused = 12,  // a merge or loop that was recognised, but did not hold
 };
 
 struct AtlasEvent {

@@ -36,10 +36,10 @@ tl::expected<std::vector<MapEdit>, Refusal> JudgeContent(const Envelope& envelop
   return std::move(*edits);
 }
 
-tl::expected<Atlas, Refusal> ApplyWhole(const std::vector<MapEdit>& edits, const Atlas& atlas) {
+tl::expected<Atlas, Refusal> ApplyWhole(const std::vector<MapEdit>& edits, const Atlas& atlas, ApplyOne apply) {
   Atlas changed = atlas;
   for (std::size_t i = 0; i < edits.size(); ++i) {
-    const auto applied = Apply(edits[i], changed);
+    const auto applied = apply(edits[i], changed);
     if (applied) continue;
     const bool unknown = applied.error().code == ErrorCode::kNotFound;
     return tl::make_unexpected(Refusal{unknown ? RejectionReason::kUnknownReference : RejectionReason::kInvalid,

@@ -4,6 +4,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "common/base/result.h"
 #include "common/map/atlas.h"
 #include "common/map/edits/edits.h"
 #include "common/wire/edit_ack.h"
@@ -21,7 +22,9 @@ struct Refusal {
 // size, checksum, decoding, and that the session sends only what it owns.
 tl::expected<std::vector<MapEdit>, Refusal> JudgeContent(const Envelope& envelope);
 
+// Apply, or ApplyAgentEdit.
+using ApplyOne = Status (*)(const MapEdit& edit, Atlas& atlas);
 // Applies all edits, or none of them: the atlas as it would be, or what is wrong with the first edit that does not fit.
-tl::expected<Atlas, Refusal> ApplyWhole(const std::vector<MapEdit>& edits, const Atlas& atlas);
+tl::expected<Atlas, Refusal> ApplyWhole(const std::vector<MapEdit>& edits, const Atlas& atlas, ApplyOne apply);
 
 }  // namespace pangaea

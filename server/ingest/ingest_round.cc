@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/map/map_edit.h"
+#include "server/ingest/agent_edit.h"
 #include "server/ingest/envelope_judgement.h"
 
 namespace pangaea {
@@ -103,7 +104,9 @@ IngestSession* IngestRound::FindOrOpen(SessionId id) {
 void IngestRound::Judge(Envelope envelope, IngestSession& session) {
   const auto edits = JudgeContent(envelope);
   if (!edits) return Refuse(envelope, {envelope.sequence, edits.error().reason, edits.error().text}, session);
-  auto atlas = ApplyWhole(*edits, outcome_.state.atlas);
+  // As long as the server changed nothing itself, an edit that does not fit is the agent's mistake.
+  const ApplyOne apply = outcome_.state.correction == 0 ? &Apply : &ApplyAgentEdit;
+  auto atlas = ApplyWhole(*edits, outcome_.state.atlas, apply);
   if (!atlas) return Refuse(envelope, {envelope.sequence, atlas.error().reason, atlas.error().text}, session);
   outcome_.state.atlas = std::move(*atlas);
   session.Accept();
@@ -124,12 +127,12 @@ ProposalAnswer IngestRound::JudgeProposal(EditsProposed& proposal) {
   std::vector<std::byte> encoded = EncodeEdits(*edits);
   const auto readable = DecodeEdits(encoded);
   if (!readable) return tl::make_unexpected(readable.error());
-  auto atlas = ApplyWhole(*readable, state.atlas);
+  auto atlas = ApplyWhole(*readable, state.atlas, &Apply);
   if (!atlas) return Fail(ErrorCode::kRefused, std::move(atlas.error().text));
   if (proposal.keep_before) outcome_.kept.push_back({state.atlas, state.position});
   if (cause.number == 0) cause.number = position;
   state.atlas = std::move(*atlas);
-  state.position = position;
+  state.position = state.correction = position;
   outcome_.batch.server_edits.push_back({position, cause.Text(), std::move(encoded)});
   if (proposal.event) Report(proposal.event->kind, proposal.event->session, cause.Text() + ": " + proposal.event->text);
   return EditsTaken{std::move(cause), position, edits->size()};

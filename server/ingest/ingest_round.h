@@ -33,8 +33,9 @@ using IngestInput = std::variant<EnvelopeArrived, SessionAnnounced, WriterLost>;
 struct IngestState {
   Atlas atlas;
   std::map<SessionId, IngestSession> sessions;
-  std::uint64_t position = 0;  // of the newest journaled edit
-  std::uint64_t refused = 0;   // messages nobody can be answered about: no session or number, or one session too many
+  std::uint64_t position = 0;    // of the newest journaled edit
+  std::uint64_t correction = 0;  // of the newest edits of the server's own
+  std::uint64_t refused = 0;     // messages nobody can be answered about: no session or number, or one session too many
 };
 
 struct IngestOptions {

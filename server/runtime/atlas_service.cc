@@ -24,6 +24,7 @@ IngestState StateOf(const RecoveredAtlas& recovered) {
   IngestState state;
   state.atlas = recovered.atlas;
   state.position = recovered.position;
+  state.correction = recovered.correction;
   for (const SessionRecord& record : recovered.sessions) {
     state.sessions.emplace(record.announcement.session, IngestSession(record));
   }
@@ -59,6 +60,7 @@ AtlasService::AtlasService(Store store, RecoveredAtlas recovered, std::uint64_t 
     : site_(std::move(site)),
       options_(options),
       incarnation_(incarnation),
+      separations_(std::move(recovered.separations)),
       queue_(options.queue_capacity),
       state_(std::make_shared<const ServiceState>()),
       store_(std::move(store)),

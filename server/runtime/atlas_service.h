@@ -77,6 +77,8 @@ class AtlasService {
   std::size_t queued() const { return queue_.size(); }
   std::uint64_t incarnation() const { return incarnation_; }
   const std::string& site() const { return site_; }
+  // Maps that are not to be merged again.
+  const std::vector<std::pair<MapId, MapId>>& separations() const { return separations_; }
   const ServiceOptions& options() const { return options_; }
   const std::filesystem::path& store_path() const { return store_.path(); }
 
@@ -119,6 +121,7 @@ class AtlasService {
   const std::string site_;
   const ServiceOptions options_;
   const std::uint64_t incarnation_;
+  const std::vector<std::pair<MapId, MapId>> separations_;
   BoundedQueue<Job> queue_;
   Published<ServiceState> state_;
 

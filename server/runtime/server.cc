@@ -34,9 +34,18 @@ Result<std::unique_ptr<Server>> Server::Start(const ServerOptions& options, std:
     LogEvent(event);
     dds.Report(event);
   };
-  atlas.Start(
-      {[&dds](const EditAck& ack) { dds.Acknowledge(ack); }, report, [&status] { status.Notify(); }, std::move(fail)});
+  if (options.work.enabled) {
+    auto work = AtlasWork::Create(atlas, options.work, report);
+    if (!work) return tl::make_unexpected(work.error());
+    server->work_ = std::move(*work);
+  }
+  const auto changed = [&status, work = server->work_.get()] {
+    status.Notify();
+    if (work != nullptr) work->Notify();
+  };
+  atlas.Start({[&dds](const EditAck& ack) { dds.Acknowledge(ack); }, report, changed, std::move(fail)});
   server->ReportStart();
+  if (server->work_ != nullptr) server->work_->Start();
   status.Start();
   dds.Start();
   return server;
@@ -47,6 +56,7 @@ Server::Server(const ServerOptions& options, std::unique_ptr<AtlasService> servi
 
 Server::~Server() {
   if (link_ != nullptr) link_->Stop();
+  if (work_ != nullptr) work_->Stop();
   service_->Stop();
   if (status_ != nullptr) status_->Stop();
 }
@@ -55,8 +65,9 @@ void Server::PublishStatus() {
   service_->Tick();
   const auto state = service_->State();
   const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - started_;
-  const ServerFacts facts{options_.site,      service_->store_path().string(), service_->incarnation(), uptime.count(),
-                          service_->queued(), options_.service.queue_capacity, service_->LastSnapshot()};
+  ServerFacts facts{options_.site,      service_->store_path().string(), service_->incarnation(), uptime.count(),
+                    service_->queued(), options_.service.queue_capacity, service_->LastSnapshot()};
+  if (work_ != nullptr) facts.work = {work_->report(), work_->vocabulary().fingerprint()};
   link_->Publish({options_.site, facts.incarnation, UnixNanoseconds(), StatusJson(*state, facts, digests_)});
 }
 

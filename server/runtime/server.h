@@ -6,6 +6,7 @@
 
 #include "common/base/result.h"
 #include "server/runtime/atlas_service.h"
+#include "server/runtime/atlas_work.h"
 #include "server/runtime/dds_link.h"
 #include "server/runtime/server_options.h"
 #include "server/runtime/status_json.h"
@@ -32,6 +33,7 @@ class Server {
   const std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
   DigestCache digests_;  // of the status thread
   std::unique_ptr<AtlasService> service_;
+  std::unique_ptr<AtlasWork> work_;  // none where it is disabled
   std::unique_ptr<DdsLink> link_;
   std::unique_ptr<StatusThread> status_;
 };

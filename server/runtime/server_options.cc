@@ -72,6 +72,7 @@ Status ServerOptions::Check() const {
   }
   if (auto checked = domain.Check(); !checked) return checked;
   if (auto checked = service.Check(); !checked) return checked;
+  if (auto checked = work.Check(); !checked) return checked;
   return status.Check();
 }
 
@@ -86,6 +87,7 @@ Status LoadServerOptions(const std::filesystem::path& file, ServerOptions& optio
   reader->Read("dds.domain", &options.domain.id, Range{0, 230});
   reader->Read("dds.configuration", &options.domain.configuration);
   ReadService(*reader, options.service);
+  ReadWork(*reader, options.work);
   ReadMilliseconds(*reader, "status.longest_interval_ms", &options.status.longest_interval);
   ReadMilliseconds(*reader, "status.shortest_interval_ms", &options.status.shortest_interval);
   return reader->Finish();

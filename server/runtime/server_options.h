@@ -9,6 +9,7 @@
 #include "common/base/result.h"
 #include "common/dds/participant.h"
 #include "server/ingest/ingest_round.h"
+#include "server/runtime/work_options.h"
 #include "server/storage/snapshot_store.h"
 #include "server/storage/store.h"
 
@@ -47,6 +48,7 @@ struct ServerOptions {
   DomainOptions domain;
   ServiceOptions service;
   StatusOptions status;
+  WorkOptions work;
 
   Status Check() const;
 };

@@ -33,15 +33,15 @@ json MapJson(const IngestState& state, const MapInfo& map, const std::set<Sessio
              {"closed", map.closed},
              {"sessions", json::array()}};
   bool alive = false;
-  std::uint64_t acknowledged = 0;
+  std::uint64_t progress = state.correction;
   for (const SessionId id : sessions) {
     entry["sessions"].push_back(ToString(id));
     const auto session = state.sessions.find(id);
     if (session == state.sessions.end()) continue;
     alive = alive || session->second.alive();
-    acknowledged += session->second.record().acknowledged;
+    progress += session->second.record().acknowledged;
   }
-  if (!alive) entry["digest"] = ToString(digests.OfMap(state.atlas, map.id, acknowledged));
+  if (!alive) entry["digest"] = ToString(digests.OfMap(state.atlas, map.id, progress));
   return entry;
 }
 
@@ -71,7 +71,9 @@ json SessionJson(const IngestState& state, SessionId id, const IngestSession& se
              {"foreign", session.foreign()},
              {"joined_unix_ns", record.joined_unix_ns},
              {"software", record.announcement.software_version}};
-  if (!session.alive()) entry["digest"] = ToString(digests.OfSession(state.atlas, id, record.acknowledged));
+  if (!session.alive()) {
+    entry["digest"] = ToString(digests.OfSession(state.atlas, id, state.correction + record.acknowledged));
+  }
   return entry;
 }
 
@@ -100,35 +102,74 @@ json TimingJson(const LatencyWindow& window) {
   return {{"count", window.count()}, {"median_ms", window.Quantile(kMedian)}, {"p95_ms", window.Quantile(kHigh)}};
 }
 
+json WeldsJson(const std::deque<WeldReport>& welds) {
+  json entries = json::array();
+  for (const WeldReport& weld : welds) {
+    json entry{{"kind", weld.merge ? "merge" : "loop"},
+               {"sessions", json::array()},
+               {"evidence", weld.text},
+               {"ms", weld.milliseconds},
+               {"unix_ns", weld.unix_ns}};
+    if (!weld.cause.empty()) entry["cause"] = weld.cause;
+    for (const SessionId id : weld.sessions) entry["sessions"].push_back(ToString(id));
+    entries.push_back(std::move(entry));
+  }
+  return entries;
+}
+
+// What the server does with maps by itself, beside what the rest of the status says.
+void AddWork(const ServerFacts::Work& work, json& status) {
+  const WorkReport& report = work.report;
+  status["welds"] = {{"merges", report.merges},
+                     {"loops", report.loops},
+                     {"refused", report.refused},
+                     {"last", WeldsJson(report.welds)},
+                     {"last_refused", WeldsJson(report.refusals)}};
+  status["optimization"] = {{"running", report.optimizing.has_value()},
+                            {"cancelled", report.cancelled_optimizations},
+                            {"culled", report.culled}};
+  if (report.optimizing) status["optimization"]["map"] = ToString(*report.optimizing);
+  status["queues"]["recognition"] = {{"size", report.lookups_waiting}};
+  status["queues"]["welding"] = {{"size", report.matches_waiting}};
+  status["queues"]["optimization"] = {{"size", report.optimizations_waiting}};
+  status["timings"]["recognition"] = TimingJson(report.recognition_ms);
+  status["timings"]["merge"] = TimingJson(report.merge_ms);
+  status["timings"]["loop"] = TimingJson(report.loop_ms);
+  status["timings"]["pose_graph"] = TimingJson(report.pose_graph_ms);
+  status["timings"]["global_bundle"] = TimingJson(report.global_ms);
+  status["versions"]["vocabulary"] = ToString(work.vocabulary);
+}
+
 }  // namespace
 
-std::uint64_t DigestCache::OfSession(const Atlas& atlas, SessionId session, std::uint64_t acknowledged) {
+std::uint64_t DigestCache::OfSession(const Atlas& atlas, SessionId session, std::uint64_t progress) {
   const auto [entry, fresh] = sessions_.try_emplace(session);
-  if (fresh || entry->second.first != acknowledged) entry->second = {acknowledged, DigestOfSession(atlas, session)};
+  if (fresh || entry->second.first != progress) entry->second = {progress, DigestOfSession(atlas, session)};
   return entry->second.second;
 }
 
-std::uint64_t DigestCache::OfMap(const Atlas& atlas, MapId map, std::uint64_t acknowledged) {
+std::uint64_t DigestCache::OfMap(const Atlas& atlas, MapId map, std::uint64_t progress) {
   const auto [entry, fresh] = maps_.try_emplace(map);
-  if (fresh || entry->second.first != acknowledged) entry->second = {acknowledged, Digest(atlas, map)};
+  if (fresh || entry->second.first != progress) entry->second = {progress, Digest(atlas, map)};
   return entry->second.second;
 }
 
 std::string StatusJson(const ServiceState& state, const ServerFacts& facts, DigestCache& digests) {
-  const json status{
-      {"site", facts.site},
-      {"incarnation", facts.incarnation},
-      {"uptime_s", facts.uptime_seconds},
-      {"maps", MapsJson(state.ingest, digests)},
-      {"sessions", SessionsJson(state.ingest, digests)},
-      {"keyframes", state.ingest.atlas.keyframe_count()},
-      {"landmarks", state.ingest.atlas.landmark_count()},
-      {"store", StoreJson(state, facts)},
-      {"queues", {{"ingest", {{"size", facts.queued}, {"capacity", facts.queue_capacity}}}}},
-      {"timings", {{"acknowledge", TimingJson(state.acknowledge_ms)}, {"commit", TimingJson(state.commit_ms)}}},
-      {"refused_messages", state.ingest.refused},
-      {"memory_mib", ResidentMebibytes()},
-      {"versions", {{"server", PANGAEA_VERSION}, {"wire", kWireVersion}, {"store_schema", kStoreSchema}}}};
+  json status{{"site", facts.site},
+              {"incarnation", facts.incarnation},
+              {"uptime_s", facts.uptime_seconds},
+              {"maps", MapsJson(state.ingest, digests)},
+              {"sessions", SessionsJson(state.ingest, digests)},
+              {"keyframes", state.ingest.atlas.keyframe_count()},
+              {"landmarks", state.ingest.atlas.landmark_count()},
+              {"store", StoreJson(state, facts)},
+              {"queues", {{"ingest", {{"size", facts.queued}, {"capacity", facts.queue_capacity}}}}},
+              {"timings", {{"acknowledge", TimingJson(state.acknowledge_ms)}, {"commit", TimingJson(state.commit_ms)}}},
+              {"correction", state.ingest.correction},
+              {"refused_messages", state.ingest.refused},
+              {"memory_mib", ResidentMebibytes()},
+              {"versions", {{"server", PANGAEA_VERSION}, {"wire", kWireVersion}, {"store_schema", kStoreSchema}}}};
+  if (facts.work) AddWork(*facts.work, status);
   // Names come from the network: whatever is not UTF-8 is replaced, never thrown about.
   return status.dump(-1, ' ', false, json::error_handler_t::replace);
 }

@@ -1,10 +1,12 @@
 #include "server/storage/recovery.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
 #include "common/map/atlas_codec.h"
 #include "common/map/map_edit.h"
+#include "server/ingest/agent_edit.h"
 #include "server/storage/snapshot_reading.h"
 
 namespace pangaea {
@@ -20,6 +22,9 @@ Status LoadFromSnapshot(Store& store, RecoveredAtlas& recovered) {
   if (!atlas) return tl::make_unexpected(atlas.error());
   recovered.atlas = std::move(*atlas);
   recovered.position = recovered.snapshot_position = (*snapshot)->position;
+  recovered.atlas.ForEachKeyframe([&recovered](const Keyframe& keyframe) {
+    recovered.correction = std::max(recovered.correction, keyframe.corrected_at);
+  });
   return {};
 }
 
@@ -31,10 +36,12 @@ Status Replay(const JournalEntry& entry, RecoveredAtlas& recovered) {
   if (entry.position != recovered.position + 1) return damaged("entries before it are missing");
   const auto edits = DecodeEdits(entry.envelope.edits);
   if (!edits) return damaged(edits.error().message);
+  const auto apply = entry.envelope.session == 0 ? &Apply : &ApplyAgentEdit;
   for (const MapEdit& edit : *edits) {
-    if (auto status = Apply(edit, recovered.atlas); !status) return damaged(status.error().message);
+    if (auto status = apply(edit, recovered.atlas); !status) return damaged(status.error().message);
   }
   recovered.position = entry.position;
+  if (entry.envelope.session == 0) recovered.correction = entry.position;
   ++recovered.replayed;
   return {};
 }
@@ -56,6 +63,9 @@ Result<RecoveredAtlas> RecoverAtlas(Store& store) {
   auto rejections = store.Rejections();
   if (!rejections) return tl::make_unexpected(rejections.error());
   recovered.rejections = std::move(*rejections);
+  auto separations = store.Separations();
+  if (!separations) return tl::make_unexpected(separations.error());
+  recovered.separations = std::move(*separations);
   return recovered;
 }
 

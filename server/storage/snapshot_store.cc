@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -36,7 +37,36 @@ std::string DeleteSome(const std::string& table, const std::string& condition) {
          std::to_string(kRowsPerDeletion) + ")";
 }
 
+Status StoreChunks(Database& database, std::int64_t snapshot, std::span<const std::byte> bytes,
+                   const std::stop_token& stop) {
+  auto insert = Statement::Prepare(database, "INSERT INTO snapshot_chunks VALUES(?1, ?2, ?3)");
+  if (!insert) return tl::make_unexpected(insert.error());
+  for (std::size_t begin = 0; begin < bytes.size(); begin += kChunkBytes) {
+    if (stop.stop_requested()) return Stopped();
+    const auto chunk = bytes.subspan(begin, std::min(kChunkBytes, bytes.size() - begin));
+    if (auto status = insert->Bind(snapshot).Bind(begin / kChunkBytes).Bind(chunk).Run(); !status) return status;
+  }
+  return {};
+}
+
 }  // namespace
+
+Status InsertSnapshot(Database& database, const Atlas& atlas, std::uint64_t position, bool kept,
+                      std::int64_t now_unix_ns, const std::stop_token& stop) {
+  const std::vector<std::byte> bytes = EncodeAtlas(atlas);
+  // Above the chunks that an interrupted snapshot may have left behind, too.
+  const auto newest = database.Number(
+      "SELECT max(coalesce((SELECT max(id) FROM snapshots), 0), coalesce((SELECT max(snapshot) FROM snapshot_chunks), "
+      "0))");
+  if (!newest) return tl::make_unexpected(newest.error());
+  const std::int64_t snapshot = *newest + 1;
+  if (auto status = StoreChunks(database, snapshot, bytes, stop); !status) return status;
+  auto insert = Statement::Prepare(database, "INSERT INTO snapshots VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)");
+  if (!insert) return tl::make_unexpected(insert.error());
+  insert->Bind(snapshot).Bind(position).Bind(atlas.version()).Bind(now_unix_ns);
+  insert->Bind((bytes.size() + kChunkBytes - 1) / kChunkBytes).Bind(bytes.size()).Bind(Hash64(bytes));
+  return insert->Bind(static_cast<std::uint32_t>(kept)).Run();
+}
 
 Result<SnapshotStore> SnapshotStore::Open(const std::filesystem::path& path, std::uint64_t max_bytes,
                                           const SnapshotRetention& retention) {
@@ -52,7 +82,8 @@ Result<SnapshotStore> SnapshotStore::Open(const std::filesystem::path& path, std
 
 Status SnapshotStore::Write(const Atlas& atlas, std::uint64_t position, std::int64_t now_unix_ns,
                             const std::stop_token& stop) {
-  if (auto status = Insert(atlas, position, false, now_unix_ns, stop); !status) return status;
+  if (auto status = StorePayloads(atlas, stop); !status) return status;
+  if (auto status = InsertSnapshot(*database_, atlas, position, false, now_unix_ns, stop); !status) return status;
   if (auto status = ReleaseKept(stop); !status) return status;
   if (auto status = RemoveReplaced(position, stop); !status) return status;
   return RemoveStalePayloads(atlas, position, stop);
@@ -61,26 +92,9 @@ Status SnapshotStore::Write(const Atlas& atlas, std::uint64_t position, std::int
 Status SnapshotStore::Keep(const Atlas& atlas, std::uint64_t position, std::int64_t now_unix_ns,
                            const std::stop_token& stop) {
   if (retention_.snapshots == 0) return {};
-  if (auto status = Insert(atlas, position, true, now_unix_ns, stop); !status) return status;
-  return ReleaseKept(stop);
-}
-
-Status SnapshotStore::Insert(const Atlas& atlas, std::uint64_t position, bool kept, std::int64_t now_unix_ns,
-                             const std::stop_token& stop) {
   if (auto status = StorePayloads(atlas, stop); !status) return status;
-  const std::vector<std::byte> bytes = EncodeAtlas(atlas);
-  // Above the chunks that an interrupted snapshot may have left behind, too.
-  const auto newest = database_->Number(
-      "SELECT max(coalesce((SELECT max(id) FROM snapshots), 0), coalesce((SELECT max(snapshot) FROM snapshot_chunks), "
-      "0))");
-  if (!newest) return tl::make_unexpected(newest.error());
-  const std::int64_t snapshot = *newest + 1;
-  if (auto status = StoreChunks(snapshot, bytes, stop); !status) return status;
-  auto insert = Statement::Prepare(*database_, "INSERT INTO snapshots VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)");
-  if (!insert) return tl::make_unexpected(insert.error());
-  insert->Bind(snapshot).Bind(position).Bind(atlas.version()).Bind(now_unix_ns);
-  insert->Bind((bytes.size() + kChunkBytes - 1) / kChunkBytes).Bind(bytes.size()).Bind(Hash64(bytes));
-  return insert->Bind(static_cast<std::uint32_t>(kept)).Run();
+  if (auto status = InsertSnapshot(*database_, atlas, position, true, now_unix_ns, stop); !status) return status;
+  return ReleaseKept(stop);
 }
 
 Status SnapshotStore::LoadStoredPayloads() {
@@ -122,18 +136,6 @@ Status SnapshotStore::StorePayloadBatch(const std::vector<const Keyframe*>& batc
   }
   if (auto status = transaction->Commit(); !status) return status;
   for (const Keyframe* keyframe : batch) stored_payloads_.emplace(keyframe->id, 0);
-  return {};
-}
-
-Status SnapshotStore::StoreChunks(std::int64_t snapshot, std::span<const std::byte> bytes,
-                                  const std::stop_token& stop) {
-  auto insert = Statement::Prepare(*database_, "INSERT INTO snapshot_chunks VALUES(?1, ?2, ?3)");
-  if (!insert) return tl::make_unexpected(insert.error());
-  for (std::size_t begin = 0; begin < bytes.size(); begin += kChunkBytes) {
-    if (stop.stop_requested()) return Stopped();
-    const auto chunk = bytes.subspan(begin, std::min(kChunkBytes, bytes.size() - begin));
-    if (auto status = insert->Bind(snapshot).Bind(begin / kChunkBytes).Bind(chunk).Run(); !status) return status;
-  }
   return {};
 }
 

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <span>
 #include <stop_token>
 #include <utility>
 #include <vector>
@@ -14,6 +13,11 @@
 #include "server/storage/database.h"
 
 namespace pangaea {
+
+// Writes a snapshot's row and pieces, without its keyframes' data. Within a transaction of the caller's, or without
+// one: then it counts from its last step on.
+Status InsertSnapshot(Database& database, const Atlas& atlas, std::uint64_t position, bool kept,
+                      std::int64_t now_unix_ns, const std::stop_token& stop);
 
 // How far back undo reaches: a snapshot from before each merge is kept, and the journal since the oldest of them.
 struct SnapshotRetention {
@@ -38,17 +42,15 @@ class SnapshotStore {
   Status Write(const Atlas& atlas, std::uint64_t position, std::int64_t now_unix_ns, const std::stop_token& stop);
   // Keeps `atlas` beside it. Not after a Write of a later position: that one may have removed what is after this.
   Status Keep(const Atlas& atlas, std::uint64_t position, std::int64_t now_unix_ns, const std::stop_token& stop);
+  // Stores the data of the atlas's keyframes that is not stored yet: what any snapshot of it needs.
+  Status StorePayloads(const Atlas& atlas, const std::stop_token& stop);
 
  private:
   SnapshotStore(Database database, const SnapshotRetention& retention)
       : retention_(retention), database_(std::make_unique<Database>(std::move(database))) {}
 
   Status LoadStoredPayloads();
-  Status Insert(const Atlas& atlas, std::uint64_t position, bool kept, std::int64_t now_unix_ns,
-                const std::stop_token& stop);
-  Status StorePayloads(const Atlas& atlas, const std::stop_token& stop);
   Status StorePayloadBatch(const std::vector<const Keyframe*>& batch);
-  Status StoreChunks(std::int64_t snapshot, std::span<const std::byte> bytes, const std::stop_token& stop);
   // Gives kept snapshots up, the oldest first, until the rest is within what is to be retained.
   Status ReleaseKept(const std::stop_token& stop);
   // Where the oldest snapshot stands: the journal before it serves nothing.

@@ -200,6 +200,24 @@ Result<std::vector<JournaledRejection>> Store::Rejections() {
   return rejections;
 }
 
+Result<std::vector<std::pair<MapId, MapId>>> Store::Separations() {
+  std::vector<std::pair<MapId, MapId>> separations;
+  const auto schema = database_->Number("PRAGMA user_version");
+  if (!schema) return tl::make_unexpected(schema.error());
+  if (*schema < 2) return separations;
+  auto select = Statement::Prepare(
+      *database_, "SELECT first_session, first_counter, second_session, second_counter FROM separations");
+  if (!select) return tl::make_unexpected(select.error());
+  for (auto row = select->Step(); !row || *row; row = select->Step()) {
+    if (!row) return tl::make_unexpected(row.error());
+    const auto map = [&select](int column) {
+      return MapId{select->Word(column), static_cast<std::uint32_t>(select->Word(column + 1))};
+    };
+    separations.emplace_back(map(0), map(2));
+  }
+  return separations;
+}
+
 Status Store::ForEachEditsAfter(std::uint64_t position, const std::function<Status(const JournalEntry&)>& visit) {
   auto select = Statement::Prepare(*database_, R"(
     SELECT position, session, sequence, base_correction_version, wire_version, checksum, edits

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/result.h"
@@ -41,11 +42,15 @@ class Store {
 
   // One transaction. kUnavailable when the disk (or the quota) is full: nothing of the batch was stored.
   Status Append(const JournalBatch& batch);
+  // A part of Append, within a transaction of the caller's.
+  Status AppendServerEdits(const std::vector<ServerEdits>& server_edits);
   // Whether the store takes writes at the moment.
   Status Probe();
 
   Result<std::vector<SessionRecord>> Sessions();
   Result<std::vector<JournaledRejection>> Rejections();
+  // Pairs of maps that an operator took apart: they are not to be merged again. None in a store of schema 1.
+  Result<std::vector<std::pair<MapId, MapId>>> Separations();
   // Both streams of edits with a position > `position`, in order: envelopes, and the server's own edits as envelopes of
   // session 0. Stops at the first failure of `visit`, and returns it.
   Status ForEachEditsAfter(std::uint64_t position, const std::function<Status(const JournalEntry&)>& visit);
@@ -58,7 +63,6 @@ class Store {
  private:
   Store(std::unique_ptr<Database> database, std::string site, std::unique_ptr<FileLock> lock);
   Status AppendEntries(const std::vector<JournalEntry>& entries);
-  Status AppendServerEdits(const std::vector<ServerEdits>& server_edits);
   Status AppendRejections(const std::vector<JournaledRejection>& rejections);
   Status UpdateSessions(const std::vector<SessionRecord>& sessions);
 

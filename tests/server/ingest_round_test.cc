@@ -398,6 +398,24 @@ TEST(IngestRound, EditsThatMayBeUndoneCarryTheAtlasBeforeThemAndTheirEventNamesT
   EXPECT_EQ(outcome.events[0].text, "tidying 2: 1 landmark");
 }
 
+// The server found that two landmarks of Anna are one, and that a keyframe sees a landmark which its agent did not see.
+TEST(IngestRound, WhereAgentAndServerDisagreeAboutAKeypointTheServersWordStands) {
+  Ingest ingest;
+  Flight flight(kAnna, {.keypoints = 44});
+  ingest.Take({flight.Next(), flight.Next(), flight.Next(), flight.Next()});
+  ASSERT_TRUE(ingest.Propose(Proposing({AddObservation{L(1), K(3), 40}})).answers.at(0));
+  const Envelope other = MakeEnvelope(kAnna, 5, 0, std::vector<MapEdit>{AddObservation{L(2), K(3), 40}});
+  const Envelope created = MakeEnvelope(kAnna, 6, 0, std::vector<MapEdit>{AddLandmark{L(900), K(3), 40, {0, 0, 4}}});
+  const Envelope late = MakeEnvelope(kAnna, 7, 0, std::vector<MapEdit>{AddObservation{L(900), K(4), 41}});
+  const IngestOutcome outcome = ingest.Take({other, created, late});
+  EXPECT_TRUE(outcome.batch.rejections.empty());
+  const Atlas& atlas = ingest.state().atlas;
+  EXPECT_EQ(atlas.FindKeyframe(K(3))->landmarks[40], L(1));
+  EXPECT_EQ(atlas.Resolve(L(900)), L(1)) << "what is new at that keypoint is what is there";
+  EXPECT_EQ(atlas.FindKeyframe(K(4))->landmarks[41], L(1));
+  EXPECT_TRUE(CheckConsistency(atlas).empty());
+}
+
 TEST(IngestRound, WhatBelongsToAnEarlierCauseCarriesItsNumber) {
   Ingest ingest;
   Flight flight(kAnna);

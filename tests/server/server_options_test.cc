@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "server/runtime/atlas_work.h"
 #include "tests/server/temporary_store.h"
 
 namespace pangaea {
@@ -40,6 +41,54 @@ TEST(ServerOptions, TheShippedFileHoldsTheDefaults) {
   EXPECT_EQ(shipped.service.snapshot_bytes, defaults.service.snapshot_bytes);
   EXPECT_EQ(shipped.status.longest_interval, defaults.status.longest_interval);
   EXPECT_EQ(shipped.status.shortest_interval, defaults.status.shortest_interval);
+}
+
+TEST(ServerOptions, TheShippedFileHoldsTheDefaultsOfWhatTheServerDoesByItself) {
+  ServerOptions shipped;
+  WorkOptions& work = shipped.work;
+  work.enabled = false;
+  work.lookup.recent = 1;
+  work.place.candidates.places = 1;
+  work.place.geometry.min_inliers = 10;
+  work.place.agreement.keyframes = 1;
+  work.agenda.capacity = 1;
+  work.fusion.window.keyframes = 2;
+  work.fusion.judgement.min_common_landmarks = 10;
+  work.fusion.judgement.max_cost_growth = 99;
+  work.optimization = {.growth = 9.0, .patience = 99};
+  work.global.max_seconds = 1;
+  work.global.threads = 9;
+  shipped.service.retention = {9, 9};
+  ASSERT_TRUE(LoadServerOptions(PANGAEA_SOURCE_DIR "/config/server.yaml", shipped));
+  const WorkOptions defaults;
+  EXPECT_TRUE(work.enabled);
+  EXPECT_EQ(work.vocabulary, defaults.vocabulary);
+  EXPECT_EQ(work.lookup.recent, defaults.lookup.recent);
+  EXPECT_EQ(work.place.candidates.places, defaults.place.candidates.places);
+  EXPECT_EQ(work.place.geometry.min_inliers, defaults.place.geometry.min_inliers);
+  EXPECT_EQ(work.place.agreement.keyframes, defaults.place.agreement.keyframes);
+  EXPECT_EQ(work.agenda.capacity, defaults.agenda.capacity);
+  EXPECT_EQ(work.fusion.window.keyframes, defaults.fusion.window.keyframes);
+  EXPECT_EQ(work.fusion.judgement.min_common_landmarks, defaults.fusion.judgement.min_common_landmarks);
+  EXPECT_EQ(work.fusion.judgement.max_cost_growth, defaults.fusion.judgement.max_cost_growth);
+  EXPECT_EQ(work.optimization.growth, defaults.optimization.growth);
+  EXPECT_EQ(work.optimization.patience, defaults.optimization.patience);
+  EXPECT_EQ(work.global.max_seconds, defaults.global.max_seconds);
+  EXPECT_EQ(work.global.threads, defaults.global.threads);
+  EXPECT_EQ(shipped.service.retention.snapshots, SnapshotRetention().snapshots);
+  EXPECT_EQ(shipped.service.retention.journal_bytes, SnapshotRetention().journal_bytes);
+}
+
+TEST(ServerOptions, AVocabularyThatIsNotThereIsAnErrorThatNamesFileAndKey) {
+  ServerOptions options;
+  const TemporaryStore place;
+  options.work.vocabulary = "no/such.bin";
+  const auto service = AtlasService::Open(place.path(), "hall", {});
+  ASSERT_TRUE(service);
+  const auto work = AtlasWork::Create(**service, options.work, {});
+  ASSERT_FALSE(work);
+  EXPECT_NE(work.error().message.find("recognition.vocabulary"), std::string::npos) << work.error().message;
+  EXPECT_NE(work.error().message.find("no/such.bin"), std::string::npos) << work.error().message;
 }
 
 TEST(ServerOptions, UnknownKeyIsAnErrorThatNamesIt) {

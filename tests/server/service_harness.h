@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <utility>
@@ -17,13 +18,15 @@ namespace pangaea {
 // An atlas service without a network; what it answers is written down here.
 class ServiceHarness {
  public:
-  explicit ServiceHarness(const std::filesystem::path& store, const ServiceOptions& options = {}) {
+  // `changed` is called on the atlas thread.
+  explicit ServiceHarness(
+      const std::filesystem::path& store, const ServiceOptions& options = {}, std::function<void()> changed = [] {}) {
     auto opened = AtlasService::Open(store, "hall", options);
     EXPECT_TRUE(opened) << opened.error().message;
     if (!opened) return;
     service = std::move(*opened);
     service->Start({[this](const EditAck& ack) { OnAck(ack); }, [this](const AtlasEvent& event) { OnEvent(event); },
-                    [] {}, [](const Error& error) { ADD_FAILURE() << error.message; }});
+                    std::move(changed), [](const Error& error) { ADD_FAILURE() << error.message; }});
   }
 
   void Send(Envelope envelope) { service->Submit(EnvelopeArrived{std::move(envelope), {1, 100}}); }
@@ -42,18 +45,18 @@ class ServiceHarness {
     return acks_[session].up_to;
   }
 
- private:
-  void OnAck(const EditAck& ack) EXCLUDES(mutex_) {
-    MutexLock lock(mutex_);
-    acks_[ack.session] = ack;
-    changed_.notify_all();
-  }
   void OnEvent(const AtlasEvent& event) EXCLUDES(mutex_) {
     MutexLock lock(mutex_);
     ++events_[event.kind];
     changed_.notify_all();
   }
 
+ private:
+  void OnAck(const EditAck& ack) EXCLUDES(mutex_) {
+    MutexLock lock(mutex_);
+    acks_[ack.session] = ack;
+    changed_.notify_all();
+  }
   Mutex mutex_;
   ConditionVariable changed_;
   std::map<SessionId, EditAck> acks_ GUARDED_BY(mutex_);

@@ -1,0 +1,83 @@
+#include "server/atlas/optimization_agenda.h"
+
+#include <algorithm>
+
+namespace pangaea {
+namespace {
+
+// A map whose pieces were seen from more than one way: adjusting it as a whole says something that its agent's local
+// adjustment did not.
+bool IsWelded(const Atlas& atlas, MapId map) {
+  return std::ranges::any_of(atlas.loop_edges(), [&](const LoopEdge& edge) {
+    const Keyframe* keyframe = atlas.FindKeyframe(edge.from);
+    return keyframe != nullptr && keyframe->map == map;
+  });
+}
+
+}  // namespace
+
+Status OptimizationAgendaOptions::Check() const {
+  if (growth > 0.0 && patience >= 1) return {};
+  return Fail(ErrorCode::kInvalidArgument, "growth must be above 0 and patience at least 1");
+}
+
+void OptimizationAgenda::MakeDue(MapId map) { due_.emplace(map, ++clock_); }
+
+bool OptimizationAgenda::MapWelded(MapId map) {
+  MakeDue(map);
+  if (running_ != map) return false;
+  cancelled_ = true;
+  return true;
+}
+
+void OptimizationAgenda::Update(const Atlas& atlas) {
+  std::map<MapId, std::size_t> due;
+  for (const auto& [map, time] : due_) {
+    const MapId now = atlas.Resolve(map);
+    if (!now.valid()) continue;
+    const auto [entry, fresh] = due.emplace(now, time);
+    if (!fresh) entry->second = std::min(entry->second, time);
+  }
+  due_ = std::move(due);
+  std::erase_if(optimized_, [&](const auto& entry) { return atlas.FindMap(entry.first) == nullptr; });
+  for (const MapId id : atlas.Maps()) {
+    const MapInfo& map = *atlas.FindMap(id);
+    const Optimized& last = running_ == id ? at_start_ : optimized_[id];
+    const auto grown = static_cast<double>(last.keyframes) * (1.0 + options_.growth);
+    const bool finished = map.closed && !last.closed && map.keyframes > 1;
+    if (finished || (static_cast<double>(map.keyframes) > grown && IsWelded(atlas, id))) MakeDue(id);
+  }
+}
+
+std::optional<MapId> OptimizationAgenda::Start(const Atlas& atlas) {
+  if (running_ || due_.empty()) return std::nullopt;
+  const auto next = std::ranges::min_element(due_, {}, [](const auto& entry) { return entry.second; });
+  const MapId map = next->first;
+  due_.erase(next);
+  const MapInfo* info = atlas.FindMap(map);
+  if (info == nullptr) return std::nullopt;
+  running_ = map;
+  cancelled_ = false;
+  at_start_ = {info->keyframes, info->closed};
+  return map;
+}
+
+void OptimizationAgenda::Finish(bool done) {
+  const MapId map = *running_;
+  running_.reset();
+  if (cancelled_ && !done) {
+    ++cancellations_[map];
+    MakeDue(map);
+    return;
+  }
+  // One that failed is not tried again before the map changes.
+  cancellations_.erase(map);
+  optimized_[map] = at_start_;
+}
+
+bool OptimizationAgenda::HoldsLoops(MapId map) const {
+  const auto found = cancellations_.find(map);
+  return found != cancellations_.end() && found->second >= options_.patience && (running_ == map || due_.contains(map));
+}
+
+}  // namespace pangaea

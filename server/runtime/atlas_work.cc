@@ -1,0 +1,61 @@
+#include "server/runtime/atlas_work.h"
+
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+#include "common/place/vocabulary_file.h"
+
+namespace pangaea {
+
+Result<std::unique_ptr<AtlasWork>> AtlasWork::Create(AtlasService& service, const WorkOptions& options, Report report) {
+  auto vocabulary = OpenVocabulary(options.vocabulary.string());
+  if (!vocabulary) return Fail(vocabulary.error().code, "recognition.vocabulary: " + vocabulary.error().message);
+  return std::unique_ptr<AtlasWork>(new AtlasWork(service, options, std::move(*vocabulary), std::move(report)));
+}
+
+AtlasWork::AtlasWork(AtlasService& service, const WorkOptions& options,
+                     std::shared_ptr<const VocabularyTree> vocabulary, Report report)
+    : vocabulary_(std::move(vocabulary)) {
+  const auto optimize = [global = options.global](const Atlas& atlas, MapId map, const std::stop_token& stop) {
+    auto bundle = AdjustMap(atlas, map, global, stop);
+    if (!bundle) return std::optional<OptimizedMap>();
+    spdlog::debug("global bundle adjustment: {} observations, {} outliers, cost {:.4g} to {:.4g}, {} steps",
+                  bundle->observations, bundle->outliers, bundle->initial_cost, bundle->final_cost, bundle->iterations);
+    return std::optional(OptimizedMap{std::move(bundle->correction), std::move(bundle->removals)});
+  };
+  const auto finished = [this] { welding_->Notify(); };
+  optimization_ = std::make_unique<OptimizationThread>(service, optimize, options.optimization, finished, ledger_);
+  OptimizationThread& optimization = *optimization_;
+  const WeldingThread::Links links{
+      std::move(report), [&optimization](const WeldingPlan& plan) { optimization.Welded(plan.map, plan.absorbed); },
+      [&optimization](MapId map) { return optimization.HoldsLoops(map); }};
+  welding_ = std::make_unique<WeldingThread>(service, options.fusion, options.pose_graph,
+                                             WeldingAgenda(options.agenda, service.separations()), links, ledger_);
+  const auto found = [this](PlaceMatch match) { welding_->Add(std::move(match)); };
+  recognition_ =
+      std::make_unique<RecognitionThread>(service, vocabulary_, options.place, options.lookup, found, ledger_);
+}
+
+void AtlasWork::Start() {
+  optimization_->Start();
+  welding_->Start();
+  recognition_->Start();
+  Notify();
+}
+
+void AtlasWork::Stop() {
+  recognition_->RequestStop();
+  welding_->RequestStop();
+  optimization_->RequestStop();
+  recognition_->Stop();
+  welding_->Stop();
+  optimization_->Stop();
+}
+
+void AtlasWork::Notify() {
+  recognition_->Notify();
+  optimization_->Notify();
+}
+
+}  // namespace pangaea

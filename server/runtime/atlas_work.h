@@ -1,0 +1,46 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "common/base/result.h"
+#include "common/place/vocabulary_tree.h"
+#include "server/runtime/atlas_service.h"
+#include "server/runtime/optimization_thread.h"
+#include "server/runtime/recognition_thread.h"
+#include "server/runtime/welding_thread.h"
+#include "server/runtime/work_options.h"
+#include "server/runtime/work_report.h"
+
+namespace pangaea {
+
+// What the server does with the atlas by itself, each on a thread of its own: recognise places, weld what was
+// recognised, optimise what was welded. All of it reads published states and proposes edits; none of it is waited for.
+class AtlasWork {
+ public:
+  using Report = std::function<void(const AtlasEvent&)>;
+  // `service` outlives it. Errors: the vocabulary cannot be read.
+  static Result<std::unique_ptr<AtlasWork>> Create(AtlasService& service, const WorkOptions& options, Report report);
+
+  void Start();
+  // Gives up what is under way. Before the service stops: what was proposed is still answered.
+  void Stop();
+  // Any thread: there is a new state.
+  void Notify();
+
+  WorkReport report() const { return ledger_.Read(); }
+  const VocabularyTree& vocabulary() const { return *vocabulary_; }
+
+ private:
+  AtlasWork(AtlasService& service, const WorkOptions& options, std::shared_ptr<const VocabularyTree> vocabulary,
+            Report report);
+
+  const std::shared_ptr<const VocabularyTree> vocabulary_;
+  WorkLedger ledger_;
+  // Each sends to the next.
+  std::unique_ptr<OptimizationThread> optimization_;
+  std::unique_ptr<WeldingThread> welding_;
+  std::unique_ptr<RecognitionThread> recognition_;
+};
+
+}  // namespace pangaea

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <stop_token>
+
+#include "common/base/mutex.h"
+
+namespace pangaea {
+
+// Wakes the one thread that waits for it. Ringing again before it wakes changes nothing.
+class Bell {
+ public:
+  // Any thread.
+  void Ring() EXCLUDES(mutex_) {
+    MutexLock lock(mutex_);
+    rung_ = true;
+    ringing_.notify_one();
+  }
+  // False when a stop was requested.
+  bool Wait(const std::stop_token& stop) EXCLUDES(mutex_) {
+    MutexLock lock(mutex_);
+    ringing_.wait(mutex_, stop, [this]() REQUIRES(mutex_) { return rung_; });
+    rung_ = false;
+    return !stop.stop_requested();
+  }
+
+ private:
+  Mutex mutex_;
+  ConditionVariable ringing_;
+  bool rung_ GUARDED_BY(mutex_) = false;
+};
+
+}  // namespace pangaea

@@ -1,0 +1,114 @@
+#include "server/runtime/optimization_thread.h"
+
+#include <spdlog/spdlog.h>
+
+#include <string>
+#include <utility>
+
+#include "server/atlas/welding_edits.h"
+#include "server/runtime/stopwatch.h"
+#include "server/runtime/thread_priority.h"
+
+namespace pangaea {
+namespace {
+
+constexpr int kNice = 19;
+
+}  // namespace
+
+OptimizationThread::OptimizationThread(AtlasService& service, Optimizer optimizer,
+                                       const OptimizationAgendaOptions& options, std::function<void()> finished,
+                                       WorkLedger& ledger)
+    : service_(service),
+      optimizer_(std::move(optimizer)),
+      finished_(std::move(finished)),
+      ledger_(ledger),
+      agenda_(options) {}
+
+void OptimizationThread::Start() {
+  thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
+}
+
+void OptimizationThread::Stop() {
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+void OptimizationThread::Welded(MapId map, MapId absorbed) {
+  {
+    MutexLock lock(mutex_);
+    bool cancel = agenda_.MapWelded(map);
+    if (absorbed.valid()) cancel = agenda_.MapWelded(absorbed) || cancel;
+    if (cancel) running_.request_stop();
+  }
+  bell_.Ring();
+}
+
+bool OptimizationThread::HoldsLoops(MapId map) const {
+  MutexLock lock(mutex_);
+  return agenda_.HoldsLoops(map);
+}
+
+void OptimizationThread::Run(const std::stop_token& stop) {
+  StandBack(kNice);
+  while (bell_.Wait(stop)) {
+    while (!stop.stop_requested()) {
+      const auto state = service_.State();
+      const auto map = Begin(state->ingest.atlas);
+      if (!map) break;
+      Optimize(state->ingest.atlas, *map, stop);
+      finished_();
+    }
+  }
+}
+
+std::optional<MapId> OptimizationThread::Begin(const Atlas& atlas) {
+  MutexLock lock(mutex_);
+  agenda_.Update(atlas);
+  const auto map = agenda_.Start(atlas);
+  if (map) running_ = std::stop_source();
+  const std::size_t waiting = agenda_.waiting();
+  ledger_.Write([&](WorkReport& report) {
+    report.optimizing = map;
+    report.optimizations_waiting = waiting;
+  });
+  return map;
+}
+
+void OptimizationThread::Optimize(const Atlas& snapshot, MapId map, const std::stop_token& stop) {
+  std::stop_source running;
+  {
+    MutexLock lock(mutex_);
+    running = running_;
+  }
+  const std::stop_callback end(stop, [&running] { running.request_stop(); });
+  const Stopwatch watch;
+  const auto optimized = optimizer_(snapshot, map, running.get_token());
+  const double milliseconds = watch.milliseconds();
+  const bool cancelled = running.stop_requested();
+  if (optimized && !cancelled) Propose(*optimized);
+  {
+    MutexLock lock(mutex_);
+    agenda_.Finish(!cancelled);
+  }
+  spdlog::info("global bundle adjustment of map {} {} after {:.0f} ms", ToString(map),
+               cancelled   ? "cancelled"
+               : optimized ? "done"
+                           : "found nothing better",
+               milliseconds);
+  ledger_.Write([&](WorkReport& report) {
+    report.optimizing.reset();
+    if (cancelled) ++report.cancelled_optimizations;
+    if (!cancelled) report.global_ms.Add(milliseconds);
+  });
+}
+
+void OptimizationThread::Propose(const OptimizedMap& optimized) {
+  const auto rebase = [&optimized](const Atlas& current) {
+    return CorrectionEdits(optimized.correction, optimized.removals, current);
+  };
+  const auto answer = service_.ProposeAndWait({{"optimization"}, rebase});
+  if (!answer) spdlog::warn("the result of a global bundle adjustment was not taken: {}", answer.error().message);
+}
+
+}  // namespace pangaea

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <thread>
+#include <vector>
+
+#include "common/base/mutex.h"
+#include "server/atlas/optimization_agenda.h"
+#include "server/optimization/correction.h"
+#include "server/runtime/atlas_service.h"
+#include "server/runtime/bell.h"
+#include "server/runtime/work_report.h"
+
+namespace pangaea {
+
+// What an optimisation of a map found, against the snapshot it worked on.
+struct OptimizedMap {
+  Correction correction;
+  std::vector<MapEdit> removals;  // of what contradicts it
+};
+
+// Runs the global bundle adjustments, one at a time, at the lowest priority, each on a snapshot. A weld in its map
+// cancels the running one; its successor starts from what the weld made.
+class OptimizationThread {
+ public:
+  // A long computation on a snapshot; nothing when the stop was requested, or when it found nothing better.
+  using Optimizer = std::function<std::optional<OptimizedMap>(const Atlas& snapshot, MapId map, std::stop_token stop)>;
+  // `finished`: a bundle adjustment came to its end or was cancelled. Called on its thread.
+  OptimizationThread(AtlasService& service, Optimizer optimizer, const OptimizationAgendaOptions& options,
+                     std::function<void()> finished, WorkLedger& ledger);
+  ~OptimizationThread() { Stop(); }
+
+  void Start();
+  void RequestStop() { thread_.request_stop(); }
+  // Gives up what is running.
+  void Stop();
+  // Any thread: a weld changed these maps, the second of which may be none.
+  void Welded(MapId map, MapId absorbed) EXCLUDES(mutex_);
+  // Any thread: there is a new atlas.
+  void Notify() { bell_.Ring(); }
+  // Any thread.
+  bool HoldsLoops(MapId map) const EXCLUDES(mutex_);
+
+ private:
+  void Run(const std::stop_token& stop);
+  std::optional<MapId> Begin(const Atlas& atlas) EXCLUDES(mutex_);
+  void Optimize(const Atlas& snapshot, MapId map, const std::stop_token& stop);
+  void Propose(const OptimizedMap& optimized);
+
+  AtlasService& service_;
+  const Optimizer optimizer_;
+  const std::function<void()> finished_;
+  WorkLedger& ledger_;
+  Bell bell_;
+  mutable Mutex mutex_;
+  OptimizationAgenda agenda_ GUARDED_BY(mutex_);
+  std::stop_source running_ GUARDED_BY(mutex_);
+  std::jthread thread_;
+};
+
+}  // namespace pangaea

@@ -1,0 +1,36 @@
+#include "server/runtime/work_options.h"
+
+#include <string>
+
+namespace pangaea {
+
+Status WorkOptions::Check() const {
+  if (auto status = lookup.Check(); !status) return status;
+  if (auto status = place.Check(); !status) return status;
+  if (auto status = agenda.Check(); !status) return status;
+  if (auto status = fusion.Check(); !status) return status;
+  if (auto status = pose_graph.Check(); !status) return status;
+  if (auto status = optimization.Check(); !status) return status;
+  return global.Check();
+}
+
+void ReadWork(ConfigReader& reader, WorkOptions& options) {
+  reader.Read("recognition.enabled", &options.enabled);
+  std::string vocabulary = options.vocabulary.string();
+  reader.Read("recognition.vocabulary", &vocabulary);
+  options.vocabulary = vocabulary;
+  reader.Read("recognition.recent", &options.lookup.recent, Range{1, 1000});
+  reader.Read("recognition.places", &options.place.candidates.places, Range{1, 100});
+  reader.Read("recognition.min_inliers", &options.place.geometry.min_inliers, Range{10, 1000});
+  reader.Read("recognition.agreeing_keyframes", &options.place.agreement.keyframes, Range{1, 10});
+  reader.Read("fusion.queue_matches", &options.agenda.capacity, Range{1, 10'000});
+  reader.Read("fusion.window_keyframes", &options.fusion.window.keyframes, Range{2, 200});
+  reader.Read("fusion.min_common_landmarks", &options.fusion.judgement.min_common_landmarks, Range{10, 1000});
+  reader.Read("fusion.max_cost_growth", &options.fusion.judgement.max_cost_growth, Range{1.0, 100.0});
+  reader.Read("optimization.growth", &options.optimization.growth, Range{0.01, 10.0});
+  reader.Read("optimization.max_seconds", &options.global.max_seconds, Range{0.0, 86'400.0});
+  reader.Read("optimization.threads", &options.global.threads, Range{1, 256});
+  reader.Read("optimization.patience", &options.optimization.patience, Range{1, 100});
+}
+
+}  // namespace pangaea

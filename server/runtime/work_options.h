@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+
+#include "common/base/config.h"
+#include "common/base/result.h"
+#include "server/atlas/lookup_agenda.h"
+#include "server/atlas/optimization_agenda.h"
+#include "server/atlas/welding_agenda.h"
+#include "server/fusion/fusion_options.h"
+#include "server/optimization/global_bundle_adjustment.h"
+#include "server/optimization/pose_graph.h"
+#include "server/place_recognition/place_recognition_options.h"
+
+namespace pangaea {
+
+// What the server does with maps by itself.
+struct WorkOptions {
+  // Without it maps stay as their agents made them.
+  bool enabled = true;
+  std::filesystem::path vocabulary;  // empty: the shipped one, which is built in
+  LookupOptions lookup{};
+  PlaceRecognitionOptions place{};
+  WeldingAgendaOptions agenda{};
+  FusionOptions fusion{};
+  PoseGraphOptions pose_graph{};
+  OptimizationAgendaOptions optimization{};
+  GlobalBundleOptions global{};
+
+  Status Check() const;
+};
+
+// Reads the keys recognition.*, fusion.* and optimization.*.
+void ReadWork(ConfigReader& reader, WorkOptions& options);
+
+}  // namespace pangaea

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/base/mutex.h"
+#include "common/map/ids.h"
+#include "server/runtime/latency_window.h"
+
+namespace pangaea {
+
+// A merge or loop, or one that was refused, for the status.
+struct WeldReport {
+  std::string cause;  // "merge 17"; empty where it was refused
+  bool merge = false;
+  std::vector<SessionId> sessions;  // of the two keyframes
+  std::string text;                 // the evidence, or why not
+  double milliseconds = 0.0;        // from its turn until it was durable
+  std::int64_t unix_ns = 0;
+};
+
+// What recognition, welding and optimisation did since the start, and do.
+struct WorkReport {
+  static constexpr std::size_t kWelds = 16;
+
+  std::size_t lookups_waiting = 0;
+  std::size_t matches_waiting = 0;
+  std::size_t optimizations_waiting = 0;
+  std::uint64_t recognized = 0;
+  std::uint64_t merges = 0;
+  std::uint64_t loops = 0;
+  std::uint64_t refused = 0;
+  std::uint64_t cancelled_optimizations = 0;
+  std::uint64_t culled = 0;
+  std::optional<MapId> optimizing;  // whose global bundle adjustment runs
+  std::deque<WeldReport> welds;     // the newest last
+  std::deque<WeldReport> refusals;  // the newest last
+  LatencyWindow recognition_ms;     // of a keyframe
+  LatencyWindow merge_ms;           // from the match's turn until it was durable, without the pose graph
+  LatencyWindow loop_ms;            // with it
+  LatencyWindow pose_graph_ms;
+  LatencyWindow global_ms;  // of those that came to their end
+
+  void Remember(std::deque<WeldReport>& list, WeldReport report) {
+    list.push_back(std::move(report));
+    if (list.size() > kWelds) list.pop_front();
+  }
+};
+
+// The report, written by the threads that do the work.
+class WorkLedger {
+ public:
+  template <typename Change>
+  void Write(Change&& change) EXCLUDES(mutex_) {
+    MutexLock lock(mutex_);
+    change(report_);
+  }
+  WorkReport Read() const EXCLUDES(mutex_) {
+    MutexLock lock(mutex_);
+    return report_;
+  }
+
+ private:
+  mutable Mutex mutex_;
+  WorkReport report_ GUARDED_BY(mutex_);
+};
+
+}  // namespace pangaea

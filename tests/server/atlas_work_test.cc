@@ -1,0 +1,194 @@
+// The threads that work on the atlas by themselves, with a service and a store, without a network.
+#include "server/runtime/atlas_work.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "common/map/consistency.h"
+#include "common/map/spanning_tree.h"
+#include "server/storage/undo.h"
+#include "tests/map/small_world.h"
+#include "tests/server/fusion_world.h"
+#include "tests/server/service_harness.h"
+
+namespace pangaea {
+namespace {
+
+using testing::kNewer;
+using testing::kOlder;
+
+// The edits that make all maps of an atlas anew.
+std::vector<MapEdit> EditsThatMake(const Atlas& atlas) {
+  std::vector<MapEdit> edits;
+  for (const MapId map : atlas.Maps()) {
+    for (const KeyframeId id : ParentsFirst(atlas, map)) {
+      const Keyframe& keyframe = *atlas.FindKeyframe(id);
+      const Keyframe* parent = atlas.FindKeyframe(keyframe.parent);
+      const Rigid3d camera_from_parent =
+          parent == nullptr ? keyframe.camera_from_map : keyframe.camera_from_map * parent->camera_from_map.Inverse();
+      edits.push_back(AddKeyframe{id, map, keyframe.parent, camera_from_parent, keyframe.data});
+    }
+  }
+  atlas.ForEachLandmark([&](const Landmark& landmark) {
+    const Keyframe& reference = *atlas.FindKeyframe(landmark.reference);
+    const auto at = std::ranges::find(landmark.observations, landmark.reference, &Observation::keyframe);
+    edits.push_back(
+        AddLandmark{landmark.id, reference.id, at->keypoint, reference.camera_from_map * landmark.point_in_map});
+    for (const Observation& observation : landmark.observations) {
+      if (observation.keyframe == landmark.reference) continue;
+      edits.push_back(AddObservation{landmark.id, observation.keyframe, observation.keypoint});
+    }
+  });
+  return edits;
+}
+
+// Two maps of one room, as agents would have sent them.
+void Fill(AtlasService& service) {
+  const Atlas atlas = testing::TwoMaps(1).atlas;
+  const auto answer = service.ProposeAndWait({{"test"}, [&](const Atlas&) { return EditsThatMake(atlas); }});
+  ASSERT_TRUE(answer) << answer.error().message;
+}
+
+// A server without a network, until it is destroyed.
+class WorkingServer {
+ public:
+  explicit WorkingServer(const std::filesystem::path& store, const WorkOptions& options = {})
+      : harness_(store, {}, [this] { Changed(); }) {
+    auto created = AtlasWork::Create(service(), options, [this](const AtlasEvent& event) { harness_.OnEvent(event); });
+    EXPECT_TRUE(created) << created.error().message;
+    work_ = std::move(*created);
+    work_->Start();
+    started_.store(true);
+    work_->Notify();
+  }
+  ~WorkingServer() { work_->Stop(); }
+
+  AtlasService& service() { return *harness_.service; }
+  ServiceHarness& harness() { return harness_; }
+  AtlasWork& work() { return *work_; }
+  const Atlas Map() { return service().State()->ingest.atlas; }
+
+ private:
+  void Changed() {
+    if (started_.load()) work_->Notify();
+  }
+
+  std::atomic<bool> started_ = false;
+  std::unique_ptr<AtlasWork> work_;
+  ServiceHarness harness_;
+};
+
+Atlas Stored(const std::filesystem::path& path) {
+  auto store = Store::OpenReadOnly(path);
+  EXPECT_TRUE(store);
+  auto recovered = RecoverAtlas(*store);
+  EXPECT_TRUE(recovered) << recovered.error().message;
+  return recovered ? recovered->atlas : Atlas();
+}
+
+TEST(AtlasWork, TwoMapsOfOnePlaceBecomeOneAndWhatIsShownIsDurable) {
+  const TemporaryStore place;
+  WorkingServer server(place.path());
+  Fill(server.service());
+  server.harness().WaitForEvent(AtlasEventKind::kMerge);
+  EXPECT_EQ(server.Map().Maps().size(), 1u);
+  server.work().Stop();
+  const Atlas atlas = server.Map();
+  EXPECT_TRUE(CheckConsistency(atlas).empty());
+  EXPECT_EQ(Fingerprint(Stored(place.path())), Fingerprint(atlas));
+  const WorkReport report = server.work().report();
+  EXPECT_EQ(report.merges, 1u);
+  EXPECT_EQ(report.welds.front().sessions.size(), 2u);
+  EXPECT_FALSE(report.welds.front().text.empty());
+}
+
+TEST(AtlasWork, AMergeThatWasUndoneIsNotMadeAgain) {
+  const TemporaryStore place;
+  std::string cause;
+  {
+    WorkingServer server(place.path());
+    Fill(server.service());
+    server.harness().WaitForEvent(AtlasEventKind::kMerge);
+    server.work().Stop();
+    cause = server.work().report().welds.front().cause;
+  }
+  {
+    Store store = Store::Open(place.path(), "hall", {}).value();
+    const auto undone = UndoCause(store, cause, 1);
+    ASSERT_TRUE(undone) << undone.error().message;
+  }
+  EXPECT_EQ(Stored(place.path()).Maps().size(), 2u);
+  WorkingServer server(place.path());
+  // Every keyframe is looked up anew after a restart; until all were, the merge would have been found again.
+  while (server.work().report().recognition_ms.count() < server.Map().keyframe_count()) std::this_thread::yield();
+  server.work().Stop();
+  EXPECT_GT(server.work().report().recognized, 0u);
+  EXPECT_EQ(server.Map().Maps().size(), 2u);
+}
+
+// An optimizer that says when it begins, and takes until it is stopped, or ends at once from the third time on.
+class FakeOptimizer {
+ public:
+  std::optional<OptimizedMap> operator()(const std::stop_token& stop) {
+    MutexLock lock(mutex_);
+    ++begun_;
+    changed_.notify_all();
+    if (begun_ >= 3) return std::nullopt;
+    changed_.wait(mutex_, stop, [] { return false; });
+    return std::nullopt;
+  }
+  void WaitForBegin(int times) {
+    MutexLock lock(mutex_);
+    changed_.wait(mutex_, [&]() REQUIRES(mutex_) { return begun_ >= times; });
+  }
+
+ private:
+  Mutex mutex_;
+  ConditionVariable changed_;
+  int begun_ GUARDED_BY(mutex_) = 0;
+};
+
+TEST(OptimizationThread, WeldsCancelTheRunningOneWhichIsLaunchedAgain) {
+  const TemporaryStore place;
+  ServiceHarness harness(place.path());
+  Flight flight(kAnna);
+  harness.Send(flight.Next());
+  harness.Send(flight.Next());
+  harness.WaitForAck(kAnna, 2);
+  FakeOptimizer optimizer;
+  WorkLedger ledger;
+  OptimizationThread thread(
+      *harness.service, [&](const Atlas&, MapId, const std::stop_token& stop) { return optimizer(stop); }, {}, [] {},
+      ledger);
+  thread.Start();
+  thread.Welded(M(1), {});
+  optimizer.WaitForBegin(1);
+  thread.Welded(M(1), {});
+  optimizer.WaitForBegin(2);
+  thread.Welded(M(1), {});
+  optimizer.WaitForBegin(3);
+  thread.Stop();
+  EXPECT_EQ(ledger.Read().cancelled_optimizations, 2u);
+}
+
+TEST(OptimizationThread, StoppingGivesUpWhatRuns) {
+  const TemporaryStore place;
+  ServiceHarness harness(place.path());
+  Flight flight(kAnna);
+  harness.Send(flight.Next());
+  harness.WaitForAck(kAnna, 1);
+  FakeOptimizer optimizer;
+  WorkLedger ledger;
+  OptimizationThread thread(
+      *harness.service, [&](const Atlas&, MapId, const std::stop_token& stop) { return optimizer(stop); }, {}, [] {},
+      ledger);
+  thread.Start();
+  thread.Welded(M(1), {});
+  optimizer.WaitForBegin(1);
+  thread.Stop();
+  EXPECT_EQ(ledger.Read().global_ms.count(), 0u);
+}
+
+}  // namespace
+}  // namespace pangaea
