@@ -86,7 +86,8 @@ void Describe(CLI::App& app, CommandLine& line) {
   app.add_option("--dataset", options.dataset, "Folder of a recorded sequence (EuRoC ASL or KITTI odometry)")
       ->type_name("DIR")
       ->required();
-  app.add_option("--sensor", line.sensor, "Which cameras to use; so far stereo alone")
+  app.add_option("--sensor", line.sensor,
+                 "Which cameras to use: stereo, or mono (the left one alone; the map's scale is then free)")
       ->type_name("KIND")
       ->capture_default_str();
   app.add_option("--site", options.site, "The site whose server to talk to")->type_name("NAME")->capture_default_str();
@@ -139,9 +140,10 @@ Status Complete(CommandLine& line) {
                 "--rate is '" + line.rate + "'; allowed: realtime, max, or a factor of 0.01 to 100");
   }
   options.rate = *rate;
-  if (line.sensor != "stereo") {
-    return Fail(ErrorCode::kInvalidArgument, "--sensor is '" + line.sensor + "'; allowed: stereo");
+  if (line.sensor != "stereo" && line.sensor != "mono") {
+    return Fail(ErrorCode::kInvalidArgument, "--sensor is '" + line.sensor + "'; allowed: stereo, mono");
   }
+  options.sensor = line.sensor == "mono" ? SensorKind::kMonocular : SensorKind::kStereo;
   options.use_server = !line.no_server;
   if (!line.config.empty()) {
     if (Status status = ReadAgentConfig(line.config, options); !status) return status;

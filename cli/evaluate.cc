@@ -28,8 +28,14 @@ void PrintJson(const json& value) { std::cout << value.dump(-1, ' ', false, json
 
 const char* AlignmentName(const EvaluateOptions& options) { return options.error.with_scale ? "Sim(3)" : "SE(3)"; }
 
+// Where the body is, seen from the camera, is known in metres: in a map of free scale the camera's way alone is exact.
+bool ComparesCameras(const EvaluateOptions& options, const std::vector<Truth>& truths) {
+  if (options.of_camera || !options.error.with_scale) return options.of_camera;
+  return std::ranges::all_of(truths, [](const Truth& truth) { return truth.body_from_camera.has_value(); });
+}
+
 Status RunOnFiles(const EvaluateOptions& options, const std::vector<Truth>& truths) {
-  const auto trajectories = ReadTrajectories(options.trajectories, truths, options.of_camera);
+  const auto trajectories = ReadTrajectories(options.trajectories, truths, ComparesCameras(options, truths));
   if (!trajectories) return tl::make_unexpected(trajectories.error());
   const auto report = EvaluateTrajectories(*trajectories, options.jointly, options.error);
   if (!report) return tl::make_unexpected(report.error());
@@ -96,7 +102,7 @@ Status RunOnStore(const EvaluateOptions& options, const std::vector<Truth>& trut
   auto stored = ReadStoredAtlas(options.store);
   if (!stored) return tl::make_unexpected(stored.error());
   if (auto status = AttachTruths(truths, *stored); !status) return status;
-  if (options.of_camera) EvaluateCameras(*stored);
+  if (options.of_camera || options.error.with_scale) EvaluateCameras(*stored);
   for (const std::string& remark : stored->remarks) std::cerr << "pangaea evaluate: note: " << remark << "\n";
   if (stored->parts.empty()) return Fail(ErrorCode::kNotFound, options.store + ": the atlas is empty");
   if (std::ranges::none_of(stored->parts, [](const SessionPart& part) { return part.truth.has_value(); })) {
@@ -129,7 +135,8 @@ CommandBody Declare(CLI::App& app) {
   app.add_option("--truth", options->truths, kTruthHelp)->required();
   app.add_flag("--joint", options->jointly,
                "Files: also under one alignment for all, for trajectories of one map (a store knows by itself)");
-  app.add_flag("--scale", options->error.with_scale, "Align with scale (Sim(3)), for monocular maps");
+  app.add_flag("--scale", options->error.with_scale,
+               "Align with scale (Sim(3)), for monocular maps; the left camera's positions are compared");
   app.add_flag("--camera", options->of_camera, "Compare the left camera's positions instead of the body's");
   app.add_flag("--json", options->as_json, "One line of JSON instead of a table");
   app.footer(

@@ -56,6 +56,23 @@ bool LocalMapper::Insert(const KeyframeCandidate& candidate, StageRecorder& stag
   return true;
 }
 
+bool LocalMapper::Open(const MapOpening& opening, StageRecorder& stages) {
+  const StageScope whole(stages, "local_mapping");
+  {
+    const StageScope stage(stages, "mapping.insert");
+    std::vector<MapEdit> edits = OpenMap(atlas_, opening, NextLandmark());
+    if (edits.empty()) return false;
+    CommitCreated(std::move(edits));
+  }
+  {
+    const StageScope stage(stages, "mapping.create");
+    CreateLandmarks(opening.second.id);
+  }
+  const StageScope stage(stages, "mapping.bundle_adjustment");
+  AdjustBundle(opening.second.id, {});
+  return true;
+}
+
 void LocalMapper::AddFrames(std::span<const TrackedFrame> frames) {
   AddFramePoses edit;
   std::int64_t newest_stamp = std::numeric_limits<std::int64_t>::min();
@@ -86,7 +103,6 @@ void LocalMapper::CreateLandmarks(KeyframeId newest) {
   CommitCreated(CreateFromStereo(atlas_, *atlas_.FindKeyframe(newest), NextLandmark(), options_.creation));
   const Keyframe& keyframe = *atlas_.FindKeyframe(newest);
   std::vector<KeyframeId> neighbours = BestCovisible(keyframe, options_.creation.neighbours);
-  // Two monocular keyframes that begin a map share no landmark yet.
   if (neighbours.empty() && keyframe.parent.valid()) neighbours.push_back(keyframe.parent);
   CommitCreated(CreateByTriangulation(atlas_, keyframe, neighbours, NextLandmark(), options_.creation, options_.noise));
 }

@@ -8,6 +8,7 @@
 #include "agent/mapping/keyframe_candidate.h"
 #include "agent/mapping/landmark_culling.h"
 #include "agent/mapping/local_mapping_options.h"
+#include "agent/mapping/map_opening.h"
 #include "common/base/stage_recorder.h"
 #include "common/map/atlas.h"
 #include "common/map/edits/edits.h"
@@ -29,6 +30,8 @@ class LocalMapper {
   // short; the map is consistent all the same. False, and nothing done, for a candidate that cannot enter the map: its
   // map is closed, its id is in use, or its reference is unknown.
   bool Insert(const KeyframeCandidate& candidate, StageRecorder& stages, std::stop_token stop = {});
+  // The same for the beginning of a monocular map.
+  bool Open(const MapOpening& opening, StageRecorder& stages);
   // Poses of ordinary frames. Those of a culled reference hang below its living ancestor; those of an unknown reference
   // or out of order are left out.
   void AddFrames(std::span<const TrackedFrame> frames);

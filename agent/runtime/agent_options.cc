@@ -55,6 +55,14 @@ Status ReadAgentConfig(const std::filesystem::path& path, AgentOptions& options)
   reader->Read("keyframes.max_relative_distance", &tracking.keyframes.max_relative_distance, Range{0.01, 10.0});
   reader->Read("keyframes.max_turn", &tracking.keyframes.max_turn, Range{1.0, 180.0});
   reader->Read("keyframes.min_gap", &tracking.keyframes.min_gap, Range{1, 1000});
+  MonocularStartOptions& start = tracking.monocular_start;
+  reader->Read("monocular.min_parallax", &start.two_view.min_parallax, Range{0.1, 20.0});
+  reader->Read("monocular.min_points", &start.two_view.min_points, Range{20, 5000});
+  reader->Read("monocular.confirmations", &start.confirmations, Range{1, 100});
+  KeyframeDecisionOptions& monocular = tracking.monocular_keyframes;
+  reader->Read("monocular.min_coverage_ratio", &monocular.min_coverage_ratio, Range{0.1, 1.0});
+  reader->Read("monocular.min_inlier_ratio", &monocular.min_inlier_ratio, Range{0.1, 1.0});
+  reader->Read("monocular.max_relative_distance", &monocular.max_relative_distance, Range{0.01, 10.0});
   reader->Read("features.count", &tracking.orb.features, Range{100, 10000});
   reader->Read("features.high_threshold", &tracking.orb.high_threshold, Range{1, 255});
   reader->Read("features.low_threshold", &tracking.orb.low_threshold, Range{1, 255});

@@ -31,7 +31,9 @@ double SecondsOf(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
 
-bool BeginsMap(const TrackingResult& result) { return result.keyframe && !result.keyframe->reference.valid(); }
+bool BeginsMap(const TrackingResult& result) {
+  return result.opening != nullptr || (result.keyframe && !result.keyframe->reference.valid());
+}
 
 // The part of a run that frames flow through, one by one.
 class FrameLoop {
@@ -94,6 +96,9 @@ class FrameLoop {
 
   void Record(std::int64_t stamp_ns, const TrackingResult& result) {
     ++(result.tracked ? run_.tracked : run_.lost);
+    // Known now, not then.
+    run_.tracked += result.earlier_frames.size();
+    run_.lost -= result.earlier_frames.size();
     if (result.tracked) {
       run_.live_trajectory.push_back({stamp_ns, result.camera_from_map.Inverse() * camera_from_body_});
     }

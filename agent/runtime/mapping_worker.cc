@@ -16,8 +16,10 @@ constexpr std::size_t kFramesPerBatch = 20;
 
 MappingInput MappingInputOf(TrackingResult result) {
   MappingInput input;
-  input.keyframe = std::move(result.keyframe);
-  if (result.tracked) input.frame = TrackedFrame{result.reference, result.pose};
+  if (result.keyframe) input.keyframe = std::make_shared<const KeyframeCandidate>(std::move(*result.keyframe));
+  input.opening = std::move(result.opening);
+  input.frames = std::move(result.earlier_frames);
+  if (result.tracked) input.frames.push_back(TrackedFrame{result.reference, result.pose});
   return input;
 }
 
@@ -25,13 +27,17 @@ MappingWorker::MappingWorker(SessionId session, const LocalMappingOptions& optio
     : session_(session), mapper_(session, options), uplink_(uplink), snapshot_(std::make_shared<const Atlas>()) {}
 
 void MappingWorker::Process(MappingInput input) {
-  if (input.keyframe) {
+  if (input.keyframe != nullptr) {
     AddWaitingFrames();
     mapper_.Insert(*input.keyframe, stages_);
   }
-  if (input.frame) waiting_frames_.push_back(*input.frame);
+  if (input.opening != nullptr) {
+    AddWaitingFrames();
+    mapper_.Open(*input.opening, stages_);
+  }
+  waiting_frames_.insert(waiting_frames_.end(), input.frames.begin(), input.frames.end());
   if (waiting_frames_.size() >= kFramesPerBatch) AddWaitingFrames();
-  if (input.keyframe) Publish();
+  if (input.keyframe != nullptr || input.opening != nullptr) Publish();
 }
 
 void MappingWorker::Finish() {

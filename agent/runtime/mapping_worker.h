@@ -16,8 +16,9 @@ namespace pangaea {
 
 // What one tracked frame means for the map.
 struct MappingInput {
-  std::optional<KeyframeCandidate> keyframe;
-  std::optional<TrackedFrame> frame;
+  std::shared_ptr<const KeyframeCandidate> keyframe;
+  std::shared_ptr<const MapOpening> opening;
+  std::vector<TrackedFrame> frames;  // ascending by stamp
 };
 MappingInput MappingInputOf(TrackingResult result);
 

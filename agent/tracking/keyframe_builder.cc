@@ -1,7 +1,5 @@
 #include "agent/tracking/keyframe_builder.h"
 
-#include <utility>
-
 namespace pangaea {
 namespace {
 
@@ -31,15 +29,9 @@ KeyframeBuilder::KeyframeBuilder(const IdealCamera& camera, const OrbOptions& or
 
 BuiltKeyframe KeyframeBuilder::Build(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
                                      const LocatedFrame* located, const LocalMap& local_map, StageRecorder& stages) {
-  auto data = std::make_shared<KeyframeData>();
-  data->stamp_ns = stamp_ns;
-  data->camera = camera_;
+  const auto fixed = located != nullptr ? FixedPointsOf(located->matches) : std::vector<FixedPoint>{};
+  const auto data = Describe(stamp_ns, left, fixed, stages);
   BuiltKeyframe built;
-  {
-    StageScope scope(stages, "tracking.extract");
-    const auto fixed = located != nullptr ? FixedPointsOf(located->matches) : std::vector<FixedPoint>{};
-    data->features = extractor_.Extract(left, fixed);
-  }
   built.landmarks.resize(data->features.keypoints.size());
   std::vector<float> depths;
   if (located != nullptr) {
@@ -54,8 +46,18 @@ BuiltKeyframe KeyframeBuilder::Build(std::int64_t stamp_ns, const cv::Mat& left,
     if (!image.empty())
       built.keypoints_with_depth = stereo_.Match(left, image, camera_, data->features.keypoints, depths).matched;
   }
-  built.data = std::move(data);
+  built.data = data;
   return built;
+}
+
+std::shared_ptr<KeyframeData> KeyframeBuilder::Describe(std::int64_t stamp_ns, const cv::Mat& left,
+                                                        std::span<const FixedPoint> fixed, StageRecorder& stages) {
+  StageScope scope(stages, "tracking.extract");
+  auto data = std::make_shared<KeyframeData>();
+  data->stamp_ns = stamp_ns;
+  data->camera = camera_;
+  data->features = extractor_.Extract(left, fixed);
+  return data;
 }
 
 }  // namespace pangaea

@@ -36,6 +36,10 @@ class KeyframeBuilder {
   BuiltKeyframe Build(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, const LocatedFrame* located,
                       const LocalMap& local_map, StageRecorder& stages);
 
+  // A keyframe of a map's beginning: its keypoints begin with `fixed`, in order. Without depth. Stage
+  // "tracking.extract".
+  std::shared_ptr<KeyframeData> Describe(std::int64_t stamp_ns, const cv::Mat& left, std::span<const FixedPoint> fixed,
+                                         StageRecorder& stages);
   // Corners and descriptors alone, to recognise a place by.
   Features Extract(const cv::Mat& left) { return extractor_.Extract(left); }
 

@@ -10,13 +10,6 @@
 namespace pangaea {
 namespace {
 
-ImagePyramid Copy(const ImagePyramid& image) {
-  ImagePyramid copy;
-  copy.levels.push_back(image.levels.front());  // the image itself never changes
-  for (std::size_t level = 1; level < image.levels.size(); ++level) copy.levels.push_back(image.levels[level].clone());
-  return copy;
-}
-
 double Seconds(std::int64_t nanoseconds) { return 1e-9 * static_cast<double>(nanoseconds); }
 
 std::optional<Rigid3d> PoseOf(const Atlas& atlas, KeyframeId id) {
@@ -61,15 +54,22 @@ KeyframeId BestReference(const Atlas& atlas, const LocatedFrame& located, const 
   return best;
 }
 
+TrackingOptions ForSensor(TrackingOptions options, const IdealCamera& camera) {
+  if (!camera.is_stereo()) options.keyframes = options.monocular_keyframes;
+  return options;
+}
+
 }  // namespace
 
 Tracker::Tracker(SessionId session, const IdealCamera& camera, const TrackingOptions& options,
                  std::shared_ptr<const VocabularyTree> vocabulary, std::uint64_t seed)
     : session_(session),
       camera_(camera),
-      options_(options),
+      options_(ForSensor(options, camera)),
       builder_(camera, options.orb, options.stereo),
-      decision_(options.keyframes),
+      decision_(options_.keyframes),
+      monocular_start_(camera, options.monocular_start,
+                       {options.search.alignment, options.sparse_alignment, options.search.patch_sigma}, seed),
       templates_(options.max_templates),
       recognition_(camera, options.recognition, std::move(vocabulary), seed) {}
 
@@ -87,6 +87,7 @@ TrackingResult Tracker::Track(std::int64_t stamp_ns, const cv::Mat& left, const 
   } else if (!awaits_first_keyframe(*atlas_)) {
     TrackKnownMap(stamp_ns, left, right, result, stages);
   }
+  if (result.tracked) monocular_start_.Reset();
   // The next frame is predicted from the latest tracked one.
   if (result.tracked) std::swap(previous_image_, current_image_);
   return result;
@@ -260,7 +261,7 @@ void Tracker::ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const
     candidate.reference = result.reference;
     candidate.camera_from_reference = result.pose.reference_from_frame.Inverse();
     candidate.landmarks = std::move(built.landmarks);
-    RememberKeyframe(candidate.id, candidate.reference, candidate.camera_from_reference);
+    RememberKeyframe(candidate.id, current_image_, candidate.reference, candidate.camera_from_reference);
     // The keyframe is this frame: bundle adjustment moves both.
     result.reference = candidate.id;
     result.pose.reference_from_frame = Rigid3d();
@@ -312,20 +313,13 @@ double Tracker::NearestView(const Rigid3d& camera_from_map, double median_depth)
 
 bool Tracker::StartMap(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
                        StageRecorder& stages) {
+  if (!camera_.is_stereo()) return StartMonocularMap(stamp_ns, left, result, stages);
   BuiltKeyframe built = builder_.Build(stamp_ns, left, right, nullptr, local_map_, stages);
   const std::vector<Eigen::Vector3d> points =
       StereoPoints(*built.data, options_.start_depth_baselines * camera_.baseline);
   if (std::cmp_less(points.size(), options_.min_start_points)) return false;
-  map_ = MapId{session_, ++maps_made_};
-  first_keyframe_ = KeyframeId{session_, ++keyframes_made_};
-  reference_ = first_keyframe_;
-  local_map_ = LocalMap{};
-  recent_keyframes_.clear();
-  RememberKeyframe(first_keyframe_, KeyframeId{}, Rigid3d());
-  decision_.Restart();
-  frames_lost_ = 0;
-  frames_searched_ = 0;
-  lacks_templates_ = false;
+  BeginMap();
+  RememberKeyframe(first_keyframe_, current_image_, KeyframeId{}, Rigid3d());
   previous_ = Previous{first_keyframe_, Rigid3d(), stamp_ns, Vector6d::Zero(), points};
   result.state = TrackingState::kTracking;
   result.tracked = true;
@@ -339,8 +333,22 @@ bool Tracker::StartMap(std::int64_t stamp_ns, const cv::Mat& left, const RightIm
   return true;
 }
 
-void Tracker::RememberKeyframe(KeyframeId id, KeyframeId reference, const Rigid3d& camera_from_reference) {
-  recent_keyframes_.push_back(RecentKeyframe{id, Copy(current_image_), reference, camera_from_reference});
+// What a new map has in common with any other new map.
+void Tracker::BeginMap() {
+  map_ = MapId{session_, ++maps_made_};
+  first_keyframe_ = KeyframeId{session_, ++keyframes_made_};
+  reference_ = first_keyframe_;
+  local_map_ = LocalMap{};
+  recent_keyframes_.clear();
+  decision_.Restart();
+  frames_lost_ = 0;
+  frames_searched_ = 0;
+  lacks_templates_ = false;
+}
+
+void Tracker::RememberKeyframe(KeyframeId id, const ImagePyramid& image, KeyframeId reference,
+                               const Rigid3d& camera_from_reference) {
+  recent_keyframes_.push_back(RecentKeyframe{id, CopyPyramid(image), reference, camera_from_reference});
   if (recent_keyframes_.size() > options_.template_images) recent_keyframes_.pop_front();
 }
 

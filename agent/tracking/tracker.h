@@ -8,9 +8,11 @@
 #include <vector>
 
 #include "agent/mapping/keyframe_candidate.h"
+#include "agent/mapping/map_opening.h"
 #include "agent/tracking/keyframe_builder.h"
 #include "agent/tracking/keyframe_decision.h"
 #include "agent/tracking/local_map.h"
+#include "agent/tracking/monocular_start.h"
 #include "agent/tracking/patch_search.h"
 #include "agent/tracking/recognition.h"
 #include "agent/tracking/sparse_alignment.h"
@@ -18,6 +20,7 @@
 #include "agent/tracking/tracking_options.h"
 #include "common/base/stage_recorder.h"
 #include "common/map/atlas.h"
+#include "common/map/edits/add_frame_poses.h"
 
 namespace pangaea {
 
@@ -37,6 +40,10 @@ struct TrackingResult {
   Rigid3d camera_from_map;  // as known now; later corrections move the reference
   int inliers = 0;
   std::optional<KeyframeCandidate> keyframe;  // for local mapping; one without a reference begins a map
+  // A monocular map begins with two keyframes at once; `pose` is relative to the second one.
+  std::shared_ptr<const MapOpening> opening;
+  // Frames before this one that a monocular map's beginning gave a pose; ascending by stamp.
+  std::vector<TrackedFrame> earlier_frames;
 };
 
 // Follows the camera from frame to frame in the agent's map. Between keyframes landmarks are tracked by aligning
@@ -95,7 +102,12 @@ class Tracker {
   double NearestView(const Rigid3d& camera_from_map, double median_depth) const;
   bool StartMap(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
                 StageRecorder& stages);
-  void RememberKeyframe(KeyframeId id, KeyframeId reference, const Rigid3d& camera_from_reference);
+  // See tracker_monocular.cc.
+  bool StartMonocularMap(std::int64_t stamp_ns, const cv::Mat& left, TrackingResult& result, StageRecorder& stages);
+  void Adopt(const MonocularOpening& opening, std::shared_ptr<const KeyframeData> second, TrackingResult& result);
+  void BeginMap();
+  void RememberKeyframe(KeyframeId id, const ImagePyramid& image, KeyframeId reference,
+                        const Rigid3d& camera_from_reference);
   bool MappingIsBusy() const;
 
   const SessionId session_;
@@ -103,6 +115,7 @@ class Tracker {
   const TrackingOptions options_;
   KeyframeBuilder builder_;
   KeyframeDecision decision_;
+  MonocularStart monocular_start_;
   TemplateStore templates_;
   Recognition recognition_;
 

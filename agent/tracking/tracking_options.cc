@@ -30,6 +30,7 @@ Status TrackingOptions::Check() const {
            InRange("keyframes.max_turn", keyframes.max_turn, 1.0, 180.0),
            InRange("start_depth_baselines", start_depth_baselines, 1.0, 10000.0),
            observability.Check(),
+           monocular_start.Check(),
            orb.Check(),
            stereo.Check(),
        }) {

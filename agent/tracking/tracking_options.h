@@ -2,6 +2,7 @@
 
 #include "agent/tracking/keyframe_decision.h"
 #include "agent/tracking/local_map.h"
+#include "agent/tracking/monocular_start.h"
 #include "agent/tracking/patch_search.h"
 #include "agent/tracking/pose_observability.h"
 #include "agent/tracking/recognition.h"
@@ -29,10 +30,14 @@ struct TrackingOptions {
   std::size_t max_templates = 12000;  // landmarks with templates kept, about 1.2 KB a view
   std::size_t template_images = 6;    // newest keyframes whose images are kept to cut templates from
   double new_view_angle = 25.0;       // degrees from all templates of a landmark that call for one more
-  KeyframeDecisionOptions keyframes;
+  KeyframeDecisionOptions keyframes;  // stereo
+  // Without stereo depth landmarks come from motion between keyframes alone: these follow more closely.
+  KeyframeDecisionOptions monocular_keyframes{
+      .min_coverage_ratio = 0.85, .min_inlier_ratio = 0.75, .max_relative_distance = 0.10};
   LocalMapOptions local_map;
   PatchSearchOptions search;
   SparseAlignmentOptions sparse_alignment;
+  MonocularStartOptions monocular_start;
   ObservabilityOptions observability;
   RecognitionOptions recognition;
   OrbOptions orb;

@@ -20,7 +20,7 @@ struct TwoViewOptions {
   double min_parallax = 1.0;
   // A reconstruction needs so many points with that parallax (count), and this share of the matches.
   int min_points = 80;
-  double min_point_share = 0.35;
+  double min_point_share = 0.5;
   // Of the motions that a model leaves possible the second best may explain at most this share of the best one's
   // points: otherwise it is not clear which one is true.
   double max_runner_up = 0.75;

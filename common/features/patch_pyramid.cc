@@ -14,4 +14,13 @@ void BuildImagePyramid(const cv::Mat& image, int levels, ImagePyramid& pyramid) 
   for (std::size_t l = 1; l < pyramid.levels.size(); ++l) cv::pyrDown(pyramid.levels[l - 1], pyramid.levels[l]);
 }
 
+ImagePyramid CopyPyramid(const ImagePyramid& pyramid) {
+  ImagePyramid copy;
+  copy.levels.push_back(pyramid.levels.front());
+  for (std::size_t level = 1; level < pyramid.levels.size(); ++level) {
+    copy.levels.push_back(pyramid.levels[level].clone());
+  }
+  return copy;
+}
+
 }  // namespace pangaea

@@ -18,4 +18,7 @@ inline constexpr int kMaxPyramidLevels = 5;
 // to kMaxPyramidLevels. One pyramid belongs to one thread.
 void BuildImagePyramid(const cv::Mat& image, int levels, ImagePyramid& pyramid);
 
+// A pyramid that keeps its pixels when the original's buffers are used again. Level 0 is shared: it never changes.
+ImagePyramid CopyPyramid(const ImagePyramid& pyramid);
+
 }  // namespace pangaea

@@ -163,6 +163,38 @@ TEST(LocalMapper, MonocularMapGrowsFromTwoKeyframes) {
   EXPECT_THAT(CheckConsistency(walk.mapper.atlas()), IsEmpty());
 }
 
+TEST(LocalMapper, AnOpeningMakesAMapOfTwoKeyframesOnce) {
+  SyntheticWorld world({.stereo = false, .position_noise = 0.0, .rotation_noise = 0.0});
+  LocalMapper mapper(kSession, ExactRig());
+  MapOpening opening;
+  opening.first = world.NextKeyframe(CirclePose(0, 60), mapper.atlas());
+  opening.second = world.NextKeyframe(CirclePose(1, 60), mapper.atlas());
+  const Rigid3d& first_from_world = world.true_camera_from_world(opening.first.id);
+  opening.second.reference = opening.first.id;
+  opening.second.camera_from_reference = world.true_camera_from_world(opening.second.id) * first_from_world.Inverse();
+  std::map<int, std::uint32_t> seen_first;
+  const auto& first_points = world.points_of(opening.first.id);
+  for (std::uint32_t i = 0; i < first_points.size(); ++i) seen_first.try_emplace(first_points[i], i);
+  const auto& second_points = world.points_of(opening.second.id);
+  for (std::uint32_t i = 0; i < second_points.size() && opening.points.size() < 100; ++i) {
+    const auto first = seen_first.find(second_points[i]);
+    if (first == seen_first.end()) continue;
+    opening.points.push_back({first->second, i, first_from_world * world.point(second_points[i]).position});
+    seen_first.erase(first);
+  }
+  NoStageRecorder stages;
+  ASSERT_TRUE(mapper.Open(opening, stages));
+  EXPECT_EQ(mapper.atlas().keyframe_count(), 2U);
+  EXPECT_GT(mapper.atlas().landmark_count(), 100U) << "more are triangulated";
+  EXPECT_THAT(CheckConsistency(mapper.atlas()), IsEmpty());
+  const Keyframe& second = *mapper.atlas().FindKeyframe(opening.second.id);
+  EXPECT_EQ(second.parent, opening.first.id);
+  EXPECT_LT((second.camera_from_map * opening.second.camera_from_reference.Inverse()).Log().norm(), 0.02);
+  const std::size_t landmarks = mapper.atlas().landmark_count();
+  EXPECT_FALSE(mapper.Open(opening, stages)) << "the map exists";
+  EXPECT_EQ(mapper.atlas().landmark_count(), landmarks);
+}
+
 TEST(LocalMapper, StandingStillKeepsFewKeyframes) {
   Walk walk;
   for (int k = 0; k < 20; ++k) walk.Visit(LookAlong({0.01 * k, 0.0, 0.0}, 0.3));

@@ -39,6 +39,12 @@ std::map<std::string, double> ValuesOf(const AgentOptions& options) {
       {"keyframes.max_relative_distance", tracking.keyframes.max_relative_distance},
       {"keyframes.max_turn", tracking.keyframes.max_turn},
       {"keyframes.min_gap", number(tracking.keyframes.min_gap)},
+      {"monocular.min_parallax", tracking.monocular_start.two_view.min_parallax},
+      {"monocular.min_points", number(tracking.monocular_start.two_view.min_points)},
+      {"monocular.confirmations", number(tracking.monocular_start.confirmations)},
+      {"monocular.min_coverage_ratio", tracking.monocular_keyframes.min_coverage_ratio},
+      {"monocular.min_inlier_ratio", tracking.monocular_keyframes.min_inlier_ratio},
+      {"monocular.max_relative_distance", tracking.monocular_keyframes.max_relative_distance},
       {"features.count", number(tracking.orb.features)},
       {"features.high_threshold", number(tracking.orb.high_threshold)},
       {"features.low_threshold", number(tracking.orb.low_threshold)},
@@ -110,6 +116,7 @@ TEST(AgentOptions, EveryKeySetsWhatItNamesAndNothingElse) {
     AgentOptions options;
     std::ostringstream text;
     text << expected[key];
+    expected[key] = std::stod(text.str());  // as it is written
     EXPECT_EQ(ReadOne(key, text.str(), options), "");
     EXPECT_EQ(ValuesOf(options), expected) << key;
   }

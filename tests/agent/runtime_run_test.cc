@@ -79,6 +79,23 @@ TEST_F(AgentRunTest, TwoDeterministicRunsGiveTheSameTrajectoryByteByByte) {
   EXPECT_EQ(RunInto("second.tum", options), first);
 }
 
+TEST_F(AgentRunTest, WithOneCameraTheFlightIsTrackedInOneMapFromTheFirstFrameOn) {
+  AgentOptions options = Options();
+  options.sensor = SensorKind::kMonocular;
+  options.deterministic = true;
+  const auto run = RunAgent(options, {});
+  ASSERT_TRUE(run) << run.error().message;
+  // Those before the two keyframes that the map began with get their poses later.
+  EXPECT_EQ(run->tracked, std::size_t{kFrames});
+  EXPECT_EQ(run->lost, 0U);
+  EXPECT_LT(run->live_trajectory.size(), std::size_t{kFrames});
+  EXPECT_EQ(run->atlas->Maps().size(), 1U);
+  EXPECT_GT(run->atlas->landmark_count(), 100U);
+  const std::string first = RunInto("mono_1.tum", options);
+  EXPECT_EQ(std::count(first.begin(), first.end(), '\n'), kFrames);
+  EXPECT_EQ(RunInto("mono_2.tum", options), first);
+}
+
 TEST_F(AgentRunTest, AStopEndsTheRunInOrder) {
   std::stop_source stop;
   stop.request_stop();

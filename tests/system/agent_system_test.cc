@@ -266,7 +266,7 @@ TEST_F(AgentSystem, BadOptionIsAnErrorThatNamesItAndWhatIsAllowed) {
   };
   EXPECT_NE(with({"--frames", "3"}).find("--frames"), std::string::npos);
   EXPECT_NE(with({"--rate", "fast"}).find("--rate is 'fast'; allowed: realtime, max"), std::string::npos);
-  EXPECT_NE(with({"--sensor", "sonar"}).find("--sensor is 'sonar'; allowed: stereo"), std::string::npos);
+  EXPECT_NE(with({"--sensor", "sonar"}).find("--sensor is 'sonar'; allowed: stereo, mono"), std::string::npos);
   EXPECT_NE(with({"--site", "no spaces"}).find("no spaces"), std::string::npos);
   EXPECT_NE(with({"--domain", "231"}).find("0 to 230"), std::string::npos);
   EXPECT_NE(with({"--trajectory", "no/such/a.tum"}).find("no/such"), std::string::npos);
