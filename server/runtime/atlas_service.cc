@@ -98,6 +98,8 @@ ProposalAnswer AtlasService::ProposeAndWait(EditsProposed proposal) {
 
 void AtlasService::Tick() { (void)queue_.TryPush(Ticked{}); }
 
+void AtlasService::AcknowledgeAgain() { (void)queue_.TryPush(AckWanted{}); }
+
 void AtlasService::SetStoreQuota(std::uint64_t max_bytes) { (void)queue_.Push(NewQuota{max_bytes}); }
 
 void AtlasService::Run() {
@@ -141,6 +143,9 @@ void AtlasService::RunRound(std::vector<Job> jobs) {
   std::vector<ProposalAnswer> answers = std::move(outcome.answers);
   Adopt(std::move(outcome));
   AnswerProposals(jobs, answers);
+  if (std::ranges::any_of(jobs, [](const Job& job) { return std::holds_alternative<AckWanted>(job); })) {
+    AcknowledgeLiving();
+  }
   if (HasInput(jobs)) output_.changed();
 }
 
@@ -217,6 +222,13 @@ void AtlasService::AdoptWithoutStore(std::vector<Job>& jobs, const std::string& 
   for (const SessionRecord& record : outcome.batch.sessions) unsaved_.push_back(record.announcement.session);
   Adopt(std::move(outcome));
   output_.changed();
+}
+
+void AtlasService::AcknowledgeLiving() {
+  for (const auto& [id, session] : current_.ingest.sessions) {
+    if (!session.alive()) continue;
+    output_.acknowledge({id, session.record().acknowledged, incarnation_, session.RecentRejections()});
+  }
 }
 
 void AtlasService::AnswerProposals(const std::vector<Job>& jobs, const std::vector<ProposalAnswer>& answers) {

@@ -67,6 +67,8 @@ class AtlasService {
   void Propose(EditsProposed proposal, Answer answer);
   // Any thread but the atlas thread: proposes and waits for the answer.
   ProposalAnswer ProposeAndWait(EditsProposed proposal);
+  // Any thread: acknowledges to every living session once more what it has; acks carry more than numbers.
+  void AcknowledgeAgain();
   // Any thread, about once a second: the sizes in the state are measured anew, and a full store is tried again.
   void Tick();
   // Any thread: changes the store's quota, in order with what was submitted.
@@ -89,6 +91,7 @@ class AtlasService {
     Clock::time_point time;
   };
   struct Ticked {};
+  struct AckWanted {};
   struct NewQuota {
     std::uint64_t max_bytes = 0;
   };
@@ -96,7 +99,7 @@ class AtlasService {
     EditsProposed proposal;
     Answer answer;
   };
-  using Job = std::variant<Arrival, Proposed, Ticked, NewQuota>;
+  using Job = std::variant<Arrival, Proposed, Ticked, AckWanted, NewQuota>;
 
   AtlasService(Store store, RecoveredAtlas recovered, std::uint64_t incarnation, std::string site,
                std::unique_ptr<SnapshotThread> snapshots, const ServiceOptions& options);
@@ -116,6 +119,7 @@ class AtlasService {
   void Report(AtlasEvent event);
   void PublishState();
   static std::vector<Clock::time_point> EnvelopeArrivals(const std::vector<Job>& jobs);
+  void AcknowledgeLiving();
   static bool HasInput(const std::vector<Job>& jobs);
 
   const std::string site_;

@@ -8,15 +8,15 @@
 
 namespace pangaea {
 
-Result<std::unique_ptr<AtlasWork>> AtlasWork::Create(AtlasService& service, const WorkOptions& options, Report report) {
+Result<std::unique_ptr<AtlasWork>> AtlasWork::Create(AtlasService& service, const WorkOptions& options, Output output) {
   auto vocabulary = OpenVocabulary(options.vocabulary.string());
   if (!vocabulary) return Fail(vocabulary.error().code, "recognition.vocabulary: " + vocabulary.error().message);
-  return std::unique_ptr<AtlasWork>(new AtlasWork(service, options, std::move(*vocabulary), std::move(report)));
+  return std::unique_ptr<AtlasWork>(new AtlasWork(service, options, std::move(*vocabulary), std::move(output)));
 }
 
 AtlasWork::AtlasWork(AtlasService& service, const WorkOptions& options,
-                     std::shared_ptr<const VocabularyTree> vocabulary, Report report)
-    : vocabulary_(std::move(vocabulary)) {
+                     std::shared_ptr<const VocabularyTree> vocabulary, Output output)
+    : vocabulary_(std::move(vocabulary)), ledger_(std::move(output.progressed)) {
   const auto optimize = [global = options.global](const Atlas& atlas, MapId map, const std::stop_token& stop) {
     auto bundle = AdjustMap(atlas, map, global, stop);
     if (!bundle) return std::optional<OptimizedMap>();
@@ -28,7 +28,8 @@ AtlasWork::AtlasWork(AtlasService& service, const WorkOptions& options,
   optimization_ = std::make_unique<OptimizationThread>(service, optimize, options.optimization, finished, ledger_);
   OptimizationThread& optimization = *optimization_;
   const WeldingThread::Links links{
-      std::move(report), [&optimization](const WeldingPlan& plan) { optimization.Welded(plan.map, plan.absorbed); },
+      std::move(output.report),
+      [&optimization](const WeldingPlan& plan) { optimization.Welded(plan.map, plan.absorbed); },
       [&optimization](MapId map) { return optimization.HoldsLoops(map); }};
   welding_ = std::make_unique<WeldingThread>(service, options.fusion, options.pose_graph,
                                              WeldingAgenda(options.agenda, service.separations()), links, ledger_);

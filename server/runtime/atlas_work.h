@@ -18,9 +18,12 @@ namespace pangaea {
 // recognised, optimise what was welded. All of it reads published states and proposes edits; none of it is waited for.
 class AtlasWork {
  public:
-  using Report = std::function<void(const AtlasEvent&)>;
+  struct Output {
+    std::function<void(const AtlasEvent&)> report;  // of what was refused; any thread
+    std::function<void()> progressed;               // report() is another; any thread
+  };
   // `service` outlives it. Errors: the vocabulary cannot be read.
-  static Result<std::unique_ptr<AtlasWork>> Create(AtlasService& service, const WorkOptions& options, Report report);
+  static Result<std::unique_ptr<AtlasWork>> Create(AtlasService& service, const WorkOptions& options, Output output);
 
   void Start();
   // Gives up what is under way. Before the service stops: what was proposed is still answered.
@@ -33,7 +36,7 @@ class AtlasWork {
 
  private:
   AtlasWork(AtlasService& service, const WorkOptions& options, std::shared_ptr<const VocabularyTree> vocabulary,
-            Report report);
+            Output output);
 
   const std::shared_ptr<const VocabularyTree> vocabulary_;
   WorkLedger ledger_;

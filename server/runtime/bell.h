@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <stop_token>
 
 #include "common/base/mutex.h"
@@ -20,6 +21,19 @@ class Bell {
     MutexLock lock(mutex_);
     ringing_.wait(mutex_, stop, [this]() REQUIRES(mutex_) { return rung_; });
     rung_ = false;
+    return !stop.stop_requested();
+  }
+  // Wakes also after `longest`.
+  bool WaitFor(const std::stop_token& stop, std::chrono::milliseconds longest) EXCLUDES(mutex_) {
+    MutexLock lock(mutex_);
+    ringing_.wait_for(mutex_, stop, longest, [this]() REQUIRES(mutex_) { return rung_; });
+    rung_ = false;
+    return !stop.stop_requested();
+  }
+  // Does not listen for that long. False when a stop was requested.
+  bool Rest(const std::stop_token& stop, std::chrono::milliseconds duration) EXCLUDES(mutex_) {
+    MutexLock lock(mutex_);
+    ringing_.wait_for(mutex_, stop, duration, [] { return false; });
     return !stop.stop_requested();
   }
 

@@ -35,38 +35,43 @@ std::vector<PublicationHandle> SenderBook::TakeLost(const ReaderBase& reader) {
   return lost;
 }
 
-Result<std::unique_ptr<DdsLink>> DdsLink::Open(const DomainOptions& options, const std::string& site, Sink sink) {
+Result<DdsLink::Topics> DdsLink::OpenTopics(const Participant& participant) {
+  auto sessions = Reader<SessionAnnouncement>::Open(participant);
+  if (!sessions) return tl::make_unexpected(sessions.error());
+  auto edits = Reader<Envelope>::Open(participant);
+  if (!edits) return tl::make_unexpected(edits.error());
+  auto interests = Reader<MapInterest>::Open(participant);
+  if (!interests) return tl::make_unexpected(interests.error());
+  auto acks = Writer<EditAck>::Open(participant);
+  if (!acks) return tl::make_unexpected(acks.error());
+  auto corrections = Writer<CorrectionPart>::Open(participant);
+  if (!corrections) return tl::make_unexpected(corrections.error());
+  auto events = Writer<AtlasEvent>::Open(participant);
+  if (!events) return tl::make_unexpected(events.error());
+  auto status = Writer<AtlasStatus>::Open(participant);
+  if (!status) return tl::make_unexpected(status.error());
+  return Topics{std::move(*sessions),    std::move(*edits),  std::move(*interests), std::move(*acks),
+                std::move(*corrections), std::move(*events), std::move(*status)};
+}
+
+Result<std::unique_ptr<DdsLink>> DdsLink::Open(const DomainOptions& options, const std::string& site, Sinks sinks) {
   auto domain = Domain::Open(options);
   if (!domain) return tl::make_unexpected(domain.error());
   auto participant = Participant::Open(*domain, site);
   if (!participant) return tl::make_unexpected(participant.error());
-  auto sessions = Reader<SessionAnnouncement>::Open(*participant);
-  if (!sessions) return tl::make_unexpected(sessions.error());
-  auto edits = Reader<Envelope>::Open(*participant);
-  if (!edits) return tl::make_unexpected(edits.error());
-  auto acks = Writer<EditAck>::Open(*participant);
-  if (!acks) return tl::make_unexpected(acks.error());
-  auto events = Writer<AtlasEvent>::Open(*participant);
-  if (!events) return tl::make_unexpected(events.error());
-  auto status = Writer<AtlasStatus>::Open(*participant);
-  if (!status) return tl::make_unexpected(status.error());
-  std::unique_ptr<DdsLink> link(new DdsLink(std::move(*domain), std::move(*participant), std::move(*sessions),
-                                            std::move(*edits), std::move(*acks), std::move(*events), std::move(*status),
-                                            std::move(sink)));
+  auto topics = OpenTopics(*participant);
+  if (!topics) return tl::make_unexpected(topics.error());
+  std::unique_ptr<DdsLink> link(
+      new DdsLink(std::move(*domain), std::move(*participant), std::move(*topics), std::move(sinks)));
   if (auto connected = link->Connect(); !connected) return tl::make_unexpected(connected.error());
   return link;
 }
 
-DdsLink::DdsLink(Domain domain, Participant participant, Reader<SessionAnnouncement> sessions, Reader<Envelope> edits,
-                 Writer<EditAck> acks, Writer<AtlasEvent> events, Writer<AtlasStatus> status, Sink sink)
+DdsLink::DdsLink(Domain domain, Participant participant, Topics topics, Sinks sinks)
     : domain_(std::move(domain)),
       participant_(std::move(participant)),
-      sessions_(std::move(sessions)),
-      edits_(std::move(edits)),
-      acks_(std::move(acks)),
-      events_(std::move(events)),
-      status_(std::move(status)),
-      sink_(std::move(sink)) {}
+      topics_(std::move(topics)),
+      sinks_(std::move(sinks)) {}
 
 Status DdsLink::Connect() {
   auto waiter = Waiter::Create(participant_);
@@ -74,29 +79,36 @@ Status DdsLink::Connect() {
   waiter_ = std::move(*waiter);
   const auto refused = [](const Error& error) { spdlog::warn("a message was refused: {}", error.message); };
   const auto announced = [this](Sample<SessionAnnouncement> sample) {
-    if (!sample.alive) return sink_(WriterLost{sample.publication});
-    sink_(SessionAnnounced{std::move(sample.value), senders_.Find(sessions_, sample.publication)});
+    if (!sample.alive) return sinks_.ingest(WriterLost{sample.publication});
+    sinks_.ingest(SessionAnnounced{std::move(sample.value), senders_.Find(topics_.sessions, sample.publication)});
   };
   const auto edited = [this](Sample<Envelope> sample) {
-    if (!sample.alive) return sink_(WriterLost{sample.publication});
-    sink_(EnvelopeArrived{std::move(sample.value), senders_.Find(edits_, sample.publication)});
+    if (!sample.alive) return sinks_.ingest(WriterLost{sample.publication});
+    sinks_.ingest(EnvelopeArrived{std::move(sample.value), senders_.Find(topics_.edits, sample.publication)});
   };
-  if (auto status = waiter_->OnSample<SessionAnnouncement>(sessions_, announced, refused); !status) return status;
-  if (auto status = waiter_->OnSample<Envelope>(edits_, edited, refused); !status) return status;
-  const auto lost_announcer = [this](const MatchChange&) { SubmitLost(sessions_); };
-  const auto lost_editor = [this](const MatchChange&) { SubmitLost(edits_); };
-  if (auto status = waiter_->OnMatch(sessions_, lost_announcer); !status) return status;
-  return waiter_->OnMatch(edits_, lost_editor);
+  const auto interested = [this](Sample<MapInterest> sample) {
+    if (sample.alive) sinks_.interest(std::move(sample.value));
+  };
+  if (auto status = waiter_->OnSample<SessionAnnouncement>(topics_.sessions, announced, refused); !status)
+    return status;
+  if (auto status = waiter_->OnSample<Envelope>(topics_.edits, edited, refused); !status) return status;
+  if (auto status = waiter_->OnSample<MapInterest>(topics_.interests, interested, refused); !status) return status;
+  const auto lost_announcer = [this](const MatchChange&) { SubmitLost(topics_.sessions); };
+  const auto lost_editor = [this](const MatchChange&) { SubmitLost(topics_.edits); };
+  if (auto status = waiter_->OnMatch(topics_.sessions, lost_announcer); !status) return status;
+  return waiter_->OnMatch(topics_.edits, lost_editor);
 }
 
 void DdsLink::SubmitLost(const ReaderBase& reader) {
-  for (const PublicationHandle publication : senders_.TakeLost(reader)) sink_(WriterLost{publication});
+  for (const PublicationHandle publication : senders_.TakeLost(reader)) sinks_.ingest(WriterLost{publication});
 }
 
-void DdsLink::Acknowledge(const EditAck& ack) { LogFailure(acks_.Write(ack)); }
+void DdsLink::Acknowledge(const EditAck& ack) { LogFailure(topics_.acks.Write(ack)); }
 
-void DdsLink::Report(const AtlasEvent& event) { LogFailure(events_.Write(event)); }
+void DdsLink::Report(const AtlasEvent& event) { LogFailure(topics_.events.Write(event)); }
 
-void DdsLink::Publish(const AtlasStatus& status) { LogFailure(status_.Write(status)); }
+void DdsLink::Publish(const AtlasStatus& status) { LogFailure(topics_.status.Write(status)); }
+
+void DdsLink::Send(const CorrectionPart& part) { LogFailure(topics_.corrections.Write(part)); }
 
 }  // namespace pangaea

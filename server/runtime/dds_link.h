@@ -27,11 +27,15 @@ class SenderBook {
   std::map<std::int32_t, std::map<PublicationHandle, std::uint64_t>> participants_;  // by reader
 };
 
-// The server's end of the DDS topics of one site. One thread takes what comes and hands it to `sink`, which may wait.
+// The server's end of the DDS topics of one site. One thread takes what comes and hands it on.
 class DdsLink {
  public:
-  using Sink = std::function<void(IngestInput)>;
-  static Result<std::unique_ptr<DdsLink>> Open(const DomainOptions& domain, const std::string& site, Sink sink);
+  // Where goes what comes. Called on the link's thread; may wait.
+  struct Sinks {
+    std::function<void(IngestInput)> ingest;
+    std::function<void(MapInterest)> interest;
+  };
+  static Result<std::unique_ptr<DdsLink>> Open(const DomainOptions& domain, const std::string& site, Sinks sinks);
 
   void Start() { waiter_->Start(); }
   // No input reaches the sink any more; writing goes on.
@@ -41,22 +45,28 @@ class DdsLink {
   void Acknowledge(const EditAck& ack);
   void Report(const AtlasEvent& event);
   void Publish(const AtlasStatus& status);
+  void Send(const CorrectionPart& part);
 
  private:
-  DdsLink(Domain domain, Participant participant, Reader<SessionAnnouncement> sessions, Reader<Envelope> edits,
-          Writer<EditAck> acks, Writer<AtlasEvent> events, Writer<AtlasStatus> status, Sink sink);
+  struct Topics {
+    Reader<SessionAnnouncement> sessions;
+    Reader<Envelope> edits;
+    Reader<MapInterest> interests;
+    Writer<EditAck> acks;
+    Writer<CorrectionPart> corrections;
+    Writer<AtlasEvent> events;
+    Writer<AtlasStatus> status;
+  };
+  static Result<Topics> OpenTopics(const Participant& participant);
+  DdsLink(Domain domain, Participant participant, Topics topics, Sinks sinks);
   Status Connect();
   void SubmitLost(const ReaderBase& reader);
 
   // In the order of their dependence: destroyed from the last to the first.
   Domain domain_;
   Participant participant_;
-  Reader<SessionAnnouncement> sessions_;
-  Reader<Envelope> edits_;
-  Writer<EditAck> acks_;
-  Writer<AtlasEvent> events_;
-  Writer<AtlasStatus> status_;
-  Sink sink_;
+  Topics topics_;
+  Sinks sinks_;
   SenderBook senders_;
   std::unique_ptr<Waiter> waiter_;
 };

@@ -40,6 +40,8 @@ void OptimizationThread::Welded(MapId map, MapId absorbed) {
     bool cancel = agenda_.MapWelded(map);
     if (absorbed.valid()) cancel = agenda_.MapWelded(absorbed) || cancel;
     if (cancel) running_.request_stop();
+    const std::size_t waiting = agenda_.waiting();
+    ledger_.Write([waiting](WorkReport& report) { report.optimizations_waiting = waiting; });
   }
   bell_.Ring();
 }
@@ -71,6 +73,7 @@ std::optional<MapId> OptimizationThread::Begin(const Atlas& atlas) {
   ledger_.Write([&](WorkReport& report) {
     report.optimizing = map;
     report.optimizations_waiting = waiting;
+    report.planned_version = atlas.version();
   });
   return map;
 }
@@ -87,9 +90,11 @@ void OptimizationThread::Optimize(const Atlas& snapshot, MapId map, const std::s
   const double milliseconds = watch.milliseconds();
   const bool cancelled = running.stop_requested();
   if (optimized && !cancelled) Propose(*optimized);
+  std::size_t waiting = 0;
   {
     MutexLock lock(mutex_);
     agenda_.Finish(!cancelled);
+    waiting = agenda_.waiting();
   }
   spdlog::info("global bundle adjustment of map {} {} after {:.0f} ms", ToString(map),
                cancelled   ? "cancelled"
@@ -98,6 +103,7 @@ void OptimizationThread::Optimize(const Atlas& snapshot, MapId map, const std::s
                milliseconds);
   ledger_.Write([&](WorkReport& report) {
     report.optimizing.reset();
+    report.optimizations_waiting = waiting;
     if (cancelled) ++report.cancelled_optimizations;
     if (!cancelled) report.global_ms.Add(milliseconds);
   });

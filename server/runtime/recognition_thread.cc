@@ -46,7 +46,10 @@ bool RecognitionThread::LookUpOne() {
   const Atlas& atlas = state->ingest.atlas;
   TakeIn(atlas);
   const auto keyframe = agenda_.Next();
-  ledger_.Write([this](WorkReport& report) { report.lookups_waiting = agenda_.waiting(); });
+  ledger_.Write([&](WorkReport& report) {
+    report.lookups_waiting = agenda_.waiting();
+    if (!keyframe) report.looked_up_version = seen_version_;
+  });
   if (!keyframe) return false;
   const Stopwatch watch;
   NoStageRecorder stages;

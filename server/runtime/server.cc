@@ -22,33 +22,54 @@ Result<std::unique_ptr<Server>> Server::Start(const ServerOptions& options, std:
   auto service = AtlasService::Open(options.store, options.site, options.service);
   if (!service) return tl::make_unexpected(service.error());
   std::unique_ptr<Server> server(new Server(options, std::move(*service)));
-  AtlasService& atlas = *server->service_;
-  auto link =
-      DdsLink::Open(options.domain, options.site, [&atlas](IngestInput input) { atlas.Submit(std::move(input)); });
+  Server* const raw = server.get();
+  const DdsLink::Sinks sinks{[raw](IngestInput input) { raw->service_->Submit(std::move(input)); },
+                             [raw](MapInterest interest) {
+                               if (raw->downlink_ != nullptr) raw->downlink_->Take(std::move(interest));
+                             }};
+  auto link = DdsLink::Open(options.domain, options.site, sinks);
   if (!link) return tl::make_unexpected(link.error());
   server->link_ = std::move(*link);
-  server->status_ = std::make_unique<StatusThread>(options.status, [raw = server.get()] { raw->PublishStatus(); });
-  DdsLink& dds = *server->link_;
-  StatusThread& status = *server->status_;
-  const auto report = [&dds](const AtlasEvent& event) {
+  server->status_ = std::make_unique<StatusThread>(options.status, [raw] { raw->PublishStatus(); });
+  const auto report = [raw](const AtlasEvent& event) {
     LogEvent(event);
-    dds.Report(event);
+    raw->link_->Report(event);
   };
-  if (options.work.enabled) {
-    auto work = AtlasWork::Create(atlas, options.work, report);
-    if (!work) return tl::make_unexpected(work.error());
-    server->work_ = std::move(*work);
-  }
-  const auto changed = [&status, work = server->work_.get()] {
-    status.Notify();
-    if (work != nullptr) work->Notify();
-  };
-  atlas.Start({[&dds](const EditAck& ack) { dds.Acknowledge(ack); }, report, changed, std::move(fail)});
+  if (auto created = server->CreateWork(report); !created) return tl::make_unexpected(created.error());
+  server->service_->Start(
+      {[raw](const EditAck& ack) { raw->Acknowledge(ack); }, report, [raw] { raw->Changed(); }, std::move(fail)});
   server->ReportStart();
   if (server->work_ != nullptr) server->work_->Start();
-  status.Start();
-  dds.Start();
+  if (server->downlink_ != nullptr) server->downlink_->Start();
+  server->status_->Start();
+  server->link_->Start();
   return server;
+}
+
+Status Server::CreateWork(const std::function<void(const AtlasEvent&)>& report) {
+  if (!options_.work.enabled) return {};
+  const auto progressed = [this] {
+    if (downlink_ != nullptr) downlink_->Notify();
+  };
+  auto work = AtlasWork::Create(*service_, options_.work, {report, progressed});
+  if (!work) return tl::make_unexpected(work.error());
+  work_ = std::move(*work);
+  const DownlinkThread::Links links{
+      [this](const CorrectionPart& part) { link_->Send(part); },
+      [this](std::uint64_t atlas_version) { return work_->report().IsUnderWay(atlas_version); }};
+  downlink_ = std::make_unique<DownlinkThread>(*service_, options_.guests, links);
+  return {};
+}
+
+void Server::Acknowledge(EditAck ack) {
+  if (downlink_ != nullptr) downlink_->Complete(ack);
+  link_->Acknowledge(ack);
+}
+
+void Server::Changed() {
+  status_->Notify();
+  if (work_ != nullptr) work_->Notify();
+  if (downlink_ != nullptr) downlink_->Notify();
 }
 
 Server::Server(const ServerOptions& options, std::unique_ptr<AtlasService> service)
@@ -56,6 +77,7 @@ Server::Server(const ServerOptions& options, std::unique_ptr<AtlasService> servi
 
 Server::~Server() {
   if (link_ != nullptr) link_->Stop();
+  if (downlink_ != nullptr) downlink_->Stop();
   if (work_ != nullptr) work_->Stop();
   service_->Stop();
   if (status_ != nullptr) status_->Stop();

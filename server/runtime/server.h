@@ -8,6 +8,7 @@
 #include "server/runtime/atlas_service.h"
 #include "server/runtime/atlas_work.h"
 #include "server/runtime/dds_link.h"
+#include "server/runtime/downlink_thread.h"
 #include "server/runtime/server_options.h"
 #include "server/runtime/status_json.h"
 #include "server/runtime/status_thread.h"
@@ -26,6 +27,9 @@ class Server {
 
  private:
   Server(const ServerOptions& options, std::unique_ptr<AtlasService> service);
+  Status CreateWork(const std::function<void(const AtlasEvent&)>& report);
+  void Acknowledge(EditAck ack);
+  void Changed();
   void PublishStatus();
   void ReportStart();
 
@@ -33,7 +37,9 @@ class Server {
   const std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
   DigestCache digests_;  // of the status thread
   std::unique_ptr<AtlasService> service_;
-  std::unique_ptr<AtlasWork> work_;  // none where it is disabled
+  // None where the server does nothing by itself.
+  std::unique_ptr<AtlasWork> work_;
+  std::unique_ptr<DownlinkThread> downlink_;
   std::unique_ptr<DdsLink> link_;
   std::unique_ptr<StatusThread> status_;
 };

@@ -73,6 +73,7 @@ Status ServerOptions::Check() const {
   if (auto checked = domain.Check(); !checked) return checked;
   if (auto checked = service.Check(); !checked) return checked;
   if (auto checked = work.Check(); !checked) return checked;
+  if (auto checked = guests.Check(); !checked) return checked;
   return status.Check();
 }
 
@@ -88,6 +89,8 @@ Status LoadServerOptions(const std::filesystem::path& file, ServerOptions& optio
   reader->Read("dds.configuration", &options.domain.configuration);
   ReadService(*reader, options.service);
   ReadWork(*reader, options.work);
+  reader->Read("downlink.guests", &options.guests.wanted, Range{0, 1000});
+  reader->Read("downlink.new_guests", &options.guests.new_at_once, Range{1, 100});
   ReadMilliseconds(*reader, "status.longest_interval_ms", &options.status.longest_interval);
   ReadMilliseconds(*reader, "status.shortest_interval_ms", &options.status.shortest_interval);
   return reader->Finish();

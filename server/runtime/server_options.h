@@ -8,6 +8,7 @@
 
 #include "common/base/result.h"
 #include "common/dds/participant.h"
+#include "server/downlink/guest_choice.h"
 #include "server/ingest/ingest_round.h"
 #include "server/runtime/work_options.h"
 #include "server/storage/snapshot_store.h"
@@ -49,6 +50,7 @@ struct ServerOptions {
   ServiceOptions service;
   StatusOptions status;
   WorkOptions work;
+  GuestOptions guests;
 
   Status Check() const;
 };

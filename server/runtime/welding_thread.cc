@@ -53,6 +53,8 @@ void WeldingThread::Add(PlaceMatch match) {
   {
     MutexLock lock(mutex_);
     agenda_.Add(std::move(match));
+    const std::size_t waiting = agenda_.waiting();
+    ledger_.Write([waiting](WorkReport& report) { report.matches_waiting = waiting; });
   }
   bell_.Ring();
 }
@@ -65,6 +67,7 @@ void WeldingThread::Run(const std::stop_token& stop) {
       const auto match = Next(state->ingest.atlas);
       if (!match) break;
       Weld(*match, state->ingest.atlas, stop);
+      ledger_.Write([](WorkReport& report) { report.welding = false; });
     }
   }
 }
@@ -74,7 +77,10 @@ std::optional<PlaceMatch> WeldingThread::Next(const Atlas& atlas) {
   auto match = agenda_.Next(atlas, links_.holds_loops);
   const std::size_t waiting = agenda_.waiting();
   spdlog::debug("welding: {} matches wait, {} had no sense any more", waiting, agenda_.dropped());
-  ledger_.Write([waiting](WorkReport& report) { report.matches_waiting = waiting; });
+  ledger_.Write([&](WorkReport& report) {
+    report.matches_waiting = waiting;
+    report.welding = match.has_value();
+  });
   return match;
 }
 

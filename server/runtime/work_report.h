@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -28,6 +29,9 @@ struct WeldReport {
 struct WorkReport {
   static constexpr std::size_t kWelds = 16;
 
+  std::uint64_t looked_up_version = 0;  // of the atlas: all of its keyframes were looked up
+  std::uint64_t planned_version = 0;    // of the atlas: its maps were judged whether they are due for optimisation
+  bool welding = false;
   std::size_t lookups_waiting = 0;
   std::size_t matches_waiting = 0;
   std::size_t optimizations_waiting = 0;
@@ -46,6 +50,12 @@ struct WorkReport {
   LatencyWindow pose_graph_ms;
   LatencyWindow global_ms;  // of those that came to their end
 
+  // Whether something is under way that may change an atlas of this version.
+  bool IsUnderWay(std::uint64_t version) const {
+    return looked_up_version != version || planned_version != version || welding || matches_waiting > 0 ||
+           optimizations_waiting > 0 || optimizing.has_value();
+  }
+
   void Remember(std::deque<WeldReport>& list, WeldReport report) {
     list.push_back(std::move(report));
     if (list.size() > kWelds) list.pop_front();
@@ -55,10 +65,16 @@ struct WorkReport {
 // The report, written by the threads that do the work.
 class WorkLedger {
  public:
+  // `written` is called after each change, on the thread that made it.
+  explicit WorkLedger(std::function<void()> written = [] {}) : written_(std::move(written)) {}
+
   template <typename Change>
   void Write(Change&& change) EXCLUDES(mutex_) {
-    MutexLock lock(mutex_);
-    change(report_);
+    {
+      MutexLock lock(mutex_);
+      change(report_);
+    }
+    written_();
   }
   WorkReport Read() const EXCLUDES(mutex_) {
     MutexLock lock(mutex_);
@@ -66,6 +82,7 @@ class WorkLedger {
   }
 
  private:
+  const std::function<void()> written_;
   mutable Mutex mutex_;
   WorkReport report_ GUARDED_BY(mutex_);
 };

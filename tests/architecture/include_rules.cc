@@ -45,9 +45,9 @@ const Allowed& AllowedIncludes() {
 
 // Folders of core code: functions on values, without a thread, lock, clock, socket or file.
 constexpr std::array kCore = {
-    "common/geometry",          "common/features", "common/map",         "common/place", "common/estimation",
-    "common/mapping",           "agent/tracking",  "agent/mapping",      "agent/uplink", "server/ingest",
-    "server/place_recognition", "server/fusion",   "server/optimization"};
+    "common/geometry",          "common/features", "common/map",          "common/place", "common/estimation",
+    "common/mapping",           "agent/tracking",  "agent/mapping",       "agent/uplink", "server/ingest",
+    "server/place_recognition", "server/fusion",   "server/optimization", "server/atlas", "server/downlink"};
 constexpr std::array kForbiddenInCore = {"thread",
                                          "mutex",
                                          "shared_mutex",

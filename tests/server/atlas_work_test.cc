@@ -55,7 +55,8 @@ class WorkingServer {
  public:
   explicit WorkingServer(const std::filesystem::path& store, const WorkOptions& options = {})
       : harness_(store, {}, [this] { Changed(); }) {
-    auto created = AtlasWork::Create(service(), options, [this](const AtlasEvent& event) { harness_.OnEvent(event); });
+    auto created = AtlasWork::Create(
+        service(), options, {[this](const AtlasEvent& event) { harness_.OnEvent(event); }, [] {}});
     EXPECT_TRUE(created) << created.error().message;
     work_ = std::move(*created);
     work_->Start();

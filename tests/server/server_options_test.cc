@@ -85,7 +85,7 @@ TEST(ServerOptions, AVocabularyThatIsNotThereIsAnErrorThatNamesFileAndKey) {
   options.work.vocabulary = "no/such.bin";
   const auto service = AtlasService::Open(place.path(), "hall", {});
   ASSERT_TRUE(service);
-  const auto work = AtlasWork::Create(**service, options.work, {});
+  const auto work = AtlasWork::Create(**service, options.work, {[](const AtlasEvent&) {}, [] {}});
   ASSERT_FALSE(work);
   EXPECT_NE(work.error().message.find("recognition.vocabulary"), std::string::npos) << work.error().message;
   EXPECT_NE(work.error().message.find("no/such.bin"), std::string::npos) << work.error().message;

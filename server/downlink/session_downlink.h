@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "common/map/atlas.h"
+#include "common/wire/agent_correction.h"
+#include "common/wire/map_interest.h"
+#include "server/downlink/guest_choice.h"
+
+namespace pangaea {
+
+// The server's state as far as one session is concerned.
+struct SessionView {
+  const Atlas& atlas;
+  std::uint64_t position = 0;      // of the journal
+  std::uint64_t correction = 0;    // of the newest edits of the server's own
+  std::uint64_t acknowledged = 0;  // the session's newest envelope in it
+};
+
+// What one agent has to be told of the atlas: what the server changed of its keyframes and landmarks, and the keyframes
+// of other sessions around its camera. One correction at a time: what comes up until the agent has applied it goes into
+// the next one, so that an agent that is slow, or a time of many changes, costs one correction and not many. A value
+// without a clock or a network.
+class SessionDownlink {
+ public:
+  SessionDownlink(SessionId session, const GuestOptions& options) : session_(session), options_(options) {}
+
+  // An agent that says nothing gets nothing.
+  void Take(const MapInterest& interest);
+  // The correction to send now, without the server's incarnation. Nothing while the last one was not applied, and where
+  // the agent knows all that concerns it.
+  std::optional<AgentCorrection> Next(const SessionView& view);
+  // What was sent last seems to be lost: Next may say it again.
+  void Forget() {
+    sent_.reset();
+    sent_version_ = confirmed_ ? confirmed_->version : 0;
+  }
+
+  bool waits_for_agent() const { return sent_.has_value(); }
+  std::uint64_t sent_version() const { return sent_version_; }
+
+ private:
+  // An atlas that the agent was told of.
+  struct Told {
+    Atlas atlas;
+    std::uint64_t version = 0;
+    std::uint64_t correction = 0;
+  };
+  std::vector<MapId> ConcernedMaps(const Atlas& atlas) const;
+  std::vector<KeyframeId> NewGuests(const Atlas& atlas) const;
+  bool IsConcerned(const SessionView& view) const;
+  MapPiece PieceOf(MapId map, const SessionView& view, const std::vector<KeyframeId>& new_guests) const;
+
+  SessionId session_;
+  GuestOptions options_;
+  std::optional<MapInterest> interest_;
+  std::optional<Told> sent_;       // and not yet applied
+  std::optional<Told> confirmed_;  // the newest applied
+  std::uint64_t sent_version_ = 0;
+};
+
+}  // namespace pangaea

@@ -1,0 +1,157 @@
+#include "server/downlink/session_downlink.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/map/small_world.h"
+
+namespace pangaea {
+namespace {
+
+// Anna's row of three, and Bert's map of two keyframes with a landmark that both see.
+SmallWorld TwoSessions() {
+  SmallWorld world = RowOfThree();
+  world.Root(K(1, kBert), M(1, kBert));
+  world.Child(K(2, kBert), K(1, kBert), M(1, kBert));
+  world.Add(L(1, kBert), K(1, kBert), 1);
+  world.Observe(L(1, kBert), K(2, kBert), 1);
+  return world;
+}
+
+// The server merges Bert's map into Anna's and finds that two landmarks are one.
+void Merge(SmallWorld& world, std::uint64_t position) {
+  world.Do(MergeMaps{M(1), M(1, kBert), {}, K(1, kBert), K(1), position});
+  world.Do(FuseLandmarks{L(1), L(1, kBert)});
+}
+
+SessionView View(const SmallWorld& world, std::uint64_t position, std::uint64_t correction) {
+  return {world.atlas, position, correction, 7};
+}
+
+MapInterest Interest(SessionId session, std::uint64_t applied, std::vector<KeyframeId> guests = {}) {
+  return {session, applied, M(1, session), K(1, session), std::move(guests)};
+}
+
+std::vector<KeyframeId> Ids(const MapPiece& piece) {
+  std::vector<KeyframeId> ids;
+  for (const PieceKeyframe& keyframe : piece.keyframes) ids.push_back(keyframe.id);
+  return ids;
+}
+
+TEST(SessionDownlink, AnAgentThatSaysNothingOrThatNothingConcernsGetsNothing) {
+  const SmallWorld world = TwoSessions();
+  SessionDownlink silent(kBert, {});
+  EXPECT_FALSE(silent.Next(View(world, 10, 10)));
+  SessionDownlink unconcerned(kBert, {});
+  unconcerned.Take(Interest(kBert, 0));
+  EXPECT_FALSE(unconcerned.Next(View(world, 10, 10)));
+}
+
+TEST(SessionDownlink, AfterAMergeTheAgentIsToldWhatBecameOfItsMapAndWhoItsGuestsAre) {
+  SmallWorld world = TwoSessions();
+  SessionDownlink downlink(kBert, {});
+  downlink.Take(Interest(kBert, 0));
+  Merge(world, 10);
+  const auto correction = downlink.Next(View(world, 11, 10));
+  ASSERT_TRUE(correction);
+  EXPECT_EQ(correction->version, 11u);
+  EXPECT_EQ(correction->acknowledged, 7u);
+  ASSERT_EQ(correction->pieces.size(), 1u);
+  const MapPiece& piece = correction->pieces[0];
+  EXPECT_EQ(piece.map, M(1));
+  EXPECT_EQ(piece.merged, std::vector{M(1, kBert)});
+  EXPECT_EQ(Ids(piece), (std::vector{K(1), K(2), K(3), K(1, kBert), K(2, kBert)}));
+  for (const PieceKeyframe& keyframe : piece.keyframes) {
+    EXPECT_EQ(keyframe.data != nullptr, keyframe.id.session == kAnna) << "it holds its own";
+  }
+  EXPECT_EQ(piece.fused, (std::vector<FusedLandmark>{{L(1, kBert), L(1)}}));
+}
+
+TEST(SessionDownlink, WhatComesUpWhileACorrectionIsUnderWayGoesIntoTheNextOne) {
+  SmallWorld world = TwoSessions();
+  SessionDownlink downlink(kBert, {.wanted = 0});
+  downlink.Take(Interest(kBert, 0));
+  Merge(world, 10);
+  ASSERT_TRUE(downlink.Next(View(world, 10, 10)));
+  world.Do(MoveKeyframes{{{K(2, kBert), MakePose(0.1, 1, 0, 0)}}, 12});
+  EXPECT_FALSE(downlink.Next(View(world, 12, 12))) << "the last one was not applied yet";
+  downlink.Take(Interest(kBert, 10));
+  const auto second = downlink.Next(View(world, 12, 12));
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->version, 12u);
+  ASSERT_EQ(second->pieces.size(), 1u);
+  EXPECT_TRUE(second->pieces[0].fused.empty()) << "it knows";
+  downlink.Take(Interest(kBert, 12));
+  EXPECT_FALSE(downlink.Next(View(world, 13, 12))) << "nothing concerns it any more";
+}
+
+TEST(SessionDownlink, ACorrectionThatWasLostIsSaidAgain) {
+  SmallWorld world = TwoSessions();
+  SessionDownlink downlink(kBert, {});
+  downlink.Take(Interest(kBert, 0));
+  Merge(world, 10);
+  const auto lost = downlink.Next(View(world, 10, 10));
+  ASSERT_TRUE(lost);
+  downlink.Forget();
+  const auto again = downlink.Next(View(world, 10, 10));
+  ASSERT_TRUE(again);
+  EXPECT_EQ(EncodePieces(again->pieces), EncodePieces(lost->pieces));
+}
+
+TEST(SessionDownlink, LandmarksThatFollowTheirReferenceAreNotSaid) {
+  SmallWorld world = TwoSessions();
+  SessionDownlink downlink(kAnna, {.wanted = 0});
+  downlink.Take(Interest(kAnna, 0));
+  world.Do(MoveKeyframes{{{K(2), MakePose(0.1, 1, 0, 0)}}, 10});
+  ASSERT_TRUE(downlink.Next(View(world, 10, 10)));
+  downlink.Take(Interest(kAnna, 10));
+  // Landmark 1 is measured from keyframe 1 and moves on its own; landmark 3 goes with keyframe 3.
+  const Landmark third = world.Get(L(3));
+  world.Do(MoveKeyframes{{{K(3), MakePose(0.1, 2, 0, 0)}}, 12});
+  const Eigen::Vector3d in_reference = {0.01, 0.02, 4.5};
+  world.Do(MoveLandmarks{{{L(1), in_reference}}});
+  world.Do(MoveLandmarks{{{L(3), Eigen::Vector3d(third.point_in_map.x(), third.point_in_map.y(), 4.0)}}});
+  const auto correction = downlink.Next(View(world, 13, 13));
+  ASSERT_TRUE(correction);
+  ASSERT_EQ(correction->pieces.size(), 1u);
+  const auto& landmarks = correction->pieces[0].landmarks;
+  EXPECT_TRUE(std::ranges::any_of(landmarks, [](const PieceLandmark& listed) { return listed.id == L(1); }));
+  EXPECT_FALSE(std::ranges::any_of(landmarks, [](const PieceLandmark& listed) { return listed.id == L(2); }));
+}
+
+TEST(SessionDownlink, NewGuestsComeAFewAtATimeAndThoseItHoldsWithoutTheirFeatures) {
+  SmallWorld world = TwoSessions();
+  Merge(world, 10);
+  SessionDownlink downlink(kBert, {.new_at_once = 1});
+  downlink.Take(Interest(kBert, 0));
+  const auto first = downlink.Next(View(world, 10, 10));
+  ASSERT_TRUE(first);
+  std::vector<KeyframeId> guests;
+  for (const KeyframeId id : Ids(first->pieces.at(0))) {
+    if (id.session == kAnna) guests.push_back(id);
+  }
+  ASSERT_EQ(guests.size(), 1u);
+  downlink.Take(Interest(kBert, 10, guests));
+  const auto second = downlink.Next(View(world, 11, 10));
+  ASSERT_TRUE(second) << "there are more around its camera";
+  for (const PieceKeyframe& keyframe : second->pieces.at(0).keyframes) {
+    const bool is_new = keyframe.id.session == kAnna && keyframe.id != guests[0];
+    EXPECT_EQ(keyframe.data != nullptr, is_new) << ToString(keyframe.id);
+  }
+}
+
+TEST(SessionDownlink, AfterARestartOfTheServerTheAgentIsToldWhatIsNewerThanWhatItApplied) {
+  SmallWorld world = TwoSessions();
+  Merge(world, 10);
+  SessionDownlink downlink(kBert, {.wanted = 0});
+  downlink.Take(Interest(kBert, 10));
+  EXPECT_FALSE(downlink.Next(View(world, 11, 10))) << "it applied all there is";
+  world.Do(MoveKeyframes{{{K(2, kBert), MakePose(0.1, 1, 0, 0)}}, 12});
+  const auto correction = downlink.Next(View(world, 12, 12));
+  ASSERT_TRUE(correction);
+  EXPECT_EQ(correction->pieces.at(0).landmarks.at(0).id, L(1)) << "seen by the keyframe that moved";
+}
+
+}  // namespace
+}  // namespace pangaea
