@@ -128,13 +128,6 @@ bool IsMetric(const PlaceView& query, const PlaceView& candidate) {
   return query.center().data->camera.is_stereo() && candidate.center().data->camera.is_stereo();
 }
 
-std::vector<Match> MatchLandmarks(const PlaceView& query, const PlaceView& candidate, std::size_t landmarks,
-                                  const MatchOptions& options) {
-  const auto own = std::span(query.descriptors).first(query.central);
-  const auto others = std::span(candidate.descriptors).first(landmarks);
-  return FilterByRotation(MatchBruteForce(own, others, options), query.keypoints, candidate.keypoints);
-}
-
 std::optional<Similarity3d> FindMotion(const PlaceView& query, const PlaceView& candidate,
                                        std::span<const Match> matches, const PlaceGeometryOptions& options,
                                        std::uint64_t seed, std::size_t& aligned) {

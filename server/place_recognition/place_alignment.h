@@ -32,11 +32,6 @@ struct PlaceAlignment {
 // Whether the scale between the two is known to be 1: both cameras measure depth.
 bool IsMetric(const PlaceView& query, const PlaceView& candidate);
 
-// Landmarks of the query keyframe itself and the first `landmarks` of the candidate's view that look alike, and are
-// turned by the same angle.
-std::vector<Match> MatchLandmarks(const PlaceView& query, const PlaceView& candidate, std::size_t landmarks,
-                                  const MatchOptions& options);
-
 // The motion under which many landmarks that look alike coincide, without a first guess: RANSAC on Horn's closed form
 // (SE(3) where IsMetric, else Sim(3)), judged by the reprojection errors in both images. The same seed gives the same
 // motion. `aligned` is how many fit it. Nothing where too few do.

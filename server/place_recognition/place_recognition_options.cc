@@ -21,7 +21,6 @@ Status PlaceGeometryOptions::Check() const {
       .In("matching.max_distance", matching.max_distance, 0, 256)
       .In("matching.max_ratio", matching.max_ratio, 0.01, 1.0)
       .In("min_own_matches", min_own_matches, 0, RangeCheck::kUnlimited)
-      .In("enough_own_matches", enough_own_matches, 0, RangeCheck::kUnlimited)
       .In("min_matches", min_matches, 4, RangeCheck::kUnlimited)
       .In("ransac_iterations", ransac_iterations, 1, 100000)
       .In("ransac_sigmas", ransac_sigmas, 0.1, 1000.0)

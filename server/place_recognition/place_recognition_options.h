@@ -31,10 +31,10 @@ struct PlaceGeometryOptions {
   // Of landmarks without an idea where they are.
   MatchOptions matching = {.max_distance = 60, .max_ratio = 0.8};
   // Matches between the two keyframes themselves below which a candidate is given up: chance gives 4 in the median, 14
-  // at most. With fewer than enough, the landmarks around the candidate are matched as well.
+  // at most.
   std::size_t min_own_matches = 8;
-  std::size_t enough_own_matches = 25;
-  std::size_t min_matches = 15;  // below which no motion is sought
+  // Matches below which no motion is sought; with fewer, the landmarks around the candidate are matched as well.
+  std::size_t min_matches = 15;
   int ransac_iterations = 300;
   // A motion from three points is off by their noise: so many sigmas count as fitting.
   double ransac_sigmas = 5.0;

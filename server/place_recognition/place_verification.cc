@@ -19,7 +19,7 @@ std::uint64_t SeedOf(std::uint64_t seed, KeyframeId query, KeyframeId candidate)
 
 PlaceVerification::PlaceVerification(const Atlas& atlas, const Keyframe& query, const PlaceRecognitionOptions& options,
                                      StageRecorder& stages)
-    : atlas_(atlas), query_(query), options_(options), stages_(stages), own_view_(MakePlaceView(atlas, query, 0)) {}
+    : atlas_(atlas), query_(query), options_(options), stages_(stages), own_(OwnAppearances(query)) {}
 
 const PlaceView& PlaceVerification::View() {
   if (!view_) view_ = MakePlaceView(atlas_, query_, options_.geometry.covisible);
@@ -51,28 +51,33 @@ PlaceVerdict PlaceVerification::Confirm(const PlaceHypothesis& hypothesis) {
   return verdict;
 }
 
+// Landmarks of the query itself and others that look alike, and are turned by the same angle.
+std::vector<Match> PlaceVerification::MatchOwn(std::span<const Keypoint> keypoints,
+                                               std::span<const Descriptor> descriptors) const {
+  const auto matches = MatchBruteForce(own_.descriptors, descriptors, options_.geometry.matching);
+  return FilterByRotation(matches, own_.keypoints, keypoints);
+}
+
 std::vector<Match> PlaceVerification::MatchOwnLandmarks(const Keyframe& candidate, PlaceTrial& trial) const {
   const StageScope stage(stages_, "place.compare");
-  const PlaceView view = MakePlaceView(atlas_, candidate, 0);
-  auto matches = MatchLandmarks(own_view_, view, view.landmarks.size(), options_.geometry.matching);
+  const LandmarkAppearances others = OwnAppearances(candidate);
+  auto matches = MatchOwn(others.keypoints, others.descriptors);
   trial.outcome = PlaceOutcome::kFewMatches;
   trial.counts.own_matches = matches.size();
   return matches;
 }
 
 std::optional<Similarity3d> PlaceVerification::Align(const PlaceView& candidate, std::vector<Match> matches,
-                                                     PlaceTrial& trial) const {
+                                                     PlaceTrial& trial) {
   const StageScope stage(stages_, "place.align");
   const PlaceGeometryOptions& options = options_.geometry;
-  // The candidate's own landmarks come first in its view: indices keep their meaning.
-  if (matches.size() < options.enough_own_matches) {
-    matches = MatchLandmarks(own_view_, candidate, candidate.landmarks.size(), options.matching);
-  }
+  // A keyframe's own landmarks come first in its view, on either side: indices keep their meaning.
+  if (matches.size() < options.min_matches) matches = MatchOwn(candidate.keypoints, candidate.descriptors);
   trial.counts.matches = matches.size();
   if (matches.size() < options.min_matches) return std::nullopt;
   trial.outcome = PlaceOutcome::kNoMotion;
   const std::uint64_t seed = SeedOf(options_.seed, query_.id, candidate.center().id);
-  return FindMotion(own_view_, candidate, matches, options, seed, trial.counts.aligned);
+  return FindMotion(View(), candidate, matches, options, seed, trial.counts.aligned);
 }
 
 void PlaceVerification::Refine(const PlaceView& candidate, const Similarity3d& candidate_from_query,
@@ -112,7 +117,7 @@ PlaceMatch PlaceVerification::MakeMatch(const PlaceView& candidate, const PlaceA
   match.query = query_.id;
   match.candidate = candidate.center().id;
   match.candidate_from_query = alignment.candidate_from_query;
-  match.metric = IsMetric(own_view_, candidate);
+  match.metric = IsMetric(View(), candidate);
   for (const Match& pair : alignment.pairs) {
     match.landmarks.emplace_back(View().landmarks[pair.query].id, candidate.landmarks[pair.train].id);
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/base/stage_recorder.h"
@@ -35,15 +36,16 @@ class PlaceVerification {
                     StageRecorder& stages);
 
   // Whether the query sees enough landmarks to be compared at all.
-  bool possible() const { return own_view_.central >= options_.geometry.min_matches; }
+  bool possible() const { return own_.keypoints.size() >= options_.geometry.min_matches; }
   // Without an idea of the motion. The candidate is alive.
   PlaceVerdict Compare(const PlaceCandidate& candidate);
   // With the motion that an earlier keyframe found. Both of its keyframes are alive, that one in the query's map.
   PlaceVerdict Confirm(const PlaceHypothesis& hypothesis);
 
  private:
+  std::vector<Match> MatchOwn(std::span<const Keypoint> keypoints, std::span<const Descriptor> descriptors) const;
   std::vector<Match> MatchOwnLandmarks(const Keyframe& candidate, PlaceTrial& trial) const;
-  std::optional<Similarity3d> Align(const PlaceView& candidate, std::vector<Match> matches, PlaceTrial& trial) const;
+  std::optional<Similarity3d> Align(const PlaceView& candidate, std::vector<Match> matches, PlaceTrial& trial);
   void Refine(const PlaceView& candidate, const Similarity3d& candidate_from_query, PlaceVerdict& verdict);
   void Ask(KeyframeId candidate, const Similarity3d& candidate_from_query, PlaceVerdict& verdict);
   PlaceMatch MakeMatch(const PlaceView& candidate, const PlaceAlignment& alignment, const PlaceTrial& trial);
@@ -53,7 +55,7 @@ class PlaceVerification {
   const Keyframe& query_;
   const PlaceRecognitionOptions& options_;
   StageRecorder& stages_;
-  PlaceView own_view_;             // of the query alone
+  LandmarkAppearances own_;        // of the query alone
   std::optional<PlaceView> view_;  // with its covisible keyframes; made when it is needed, since mostly it is not
 };
 

@@ -62,6 +62,17 @@ class ViewBuilder {
 
 }  // namespace
 
+LandmarkAppearances OwnAppearances(const Keyframe& keyframe) {
+  LandmarkAppearances own;
+  const Features& features = keyframe.data->features;
+  for (std::size_t i = 0; i < keyframe.landmarks.size(); ++i) {
+    if (!keyframe.landmarks[i].valid()) continue;
+    own.keypoints.push_back(features.keypoints[i]);
+    own.descriptors.push_back(features.descriptors[i]);
+  }
+  return own;
+}
+
 PlaceView MakePlaceView(const Atlas& atlas, std::span<const KeyframeId> keyframes) {
   PANGAEA_CHECK(!keyframes.empty());
   ViewBuilder builder(atlas, *atlas.FindKeyframe(keyframes.front()));

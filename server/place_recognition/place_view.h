@@ -54,6 +54,14 @@ struct PlaceView {
   const PlaceObserver& center() const { return observers.front(); }
 };
 
+// The keypoints of a keyframe that show a landmark, in order: how the first landmarks of its PlaceView look. Far
+// cheaper than that, since no landmark is looked up.
+struct LandmarkAppearances {
+  std::vector<Keypoint> keypoints;
+  std::vector<Descriptor> descriptors;
+};
+LandmarkAppearances OwnAppearances(const Keyframe& keyframe);
+
 // What these keyframes of one map know; all are alive in the atlas, the first one is central.
 PlaceView MakePlaceView(const Atlas& atlas, std::span<const KeyframeId> keyframes);
 // With the landmarks of the `covisible` best covisible keyframes.

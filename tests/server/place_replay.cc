@@ -1,7 +1,8 @@
 // Recognises the places of a recorded store and compares what was recognised with ground truth:
-//   place_replay atlas.db DATASET...
+//   place_replay [--copies N] atlas.db DATASET...
 // Edits are applied in the order in which the server took them, and each keyframe is looked up as soon as it is there.
-// Recordings whose names begin alike up to the last '_' share one world; others have nothing in common.
+// With --copies the index also holds N disturbed copies of the store's keyframes, as ballast: what does a query cost
+// then? Recordings whose names begin alike up to the last '_' share one world; others have nothing in common.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -95,6 +97,29 @@ class Replay {
     // A keyframe's landmarks may come in a later envelope than itself.
     std::erase_if(waiting_, [&](KeyframeId id) { return AskIfComplete(id); });
     return {};
+  }
+
+  // Fills the index up with keyframes of no atlas: a third of the features of each are others', the rest have flipped
+  // bits.
+  void AddCopies(const Atlas& atlas, std::size_t copies) {
+    std::vector<const Keyframe*> originals;
+    atlas.ForEachKeyframe([&](const Keyframe& keyframe) { originals.push_back(&keyframe); });
+    std::mt19937_64 random(1);
+    for (std::uint32_t i = 0; i < copies && !originals.empty(); ++i) {
+      auto data = std::make_shared<KeyframeData>(*originals[i % originals.size()]->data);
+      for (Descriptor& descriptor : data->features.descriptors) {
+        const auto& others = originals[random() % originals.size()]->data->features.descriptors;
+        if (random() % 3 == 0 && !others.empty()) descriptor = others[random() % others.size()];
+        for (int bit = 0; bit < 16; ++bit) {
+          const std::uint64_t flipped = random() % 256;
+          descriptor.words[flipped / 64] ^= std::uint64_t{1} << (flipped % 64);
+        }
+      }
+      Keyframe copy;
+      copy.id = {1, i + 1};
+      copy.data = std::move(data);
+      recognizer_.Add(copy);
+    }
   }
 
   void Print() {
@@ -233,7 +258,7 @@ class Replay {
   std::map<PlaceOutcome, std::size_t> outcomes_, revisit_outcomes_;
 };
 
-Status Run(const std::string& path, const std::vector<std::string>& datasets) {
+Status Run(const std::string& path, const std::vector<std::string>& datasets, std::size_t copies) {
   auto store = Store::OpenReadOnly(path);
   if (!store) return tl::make_unexpected(store.error());
   const auto sessions = store->Sessions();
@@ -243,6 +268,11 @@ Status Run(const std::string& path, const std::vector<std::string>& datasets) {
   auto vocabulary = OpenVocabulary();
   if (!vocabulary) return tl::make_unexpected(vocabulary.error());
   Replay replay(std::move(*truths), *sessions, std::move(*vocabulary));
+  if (copies > 0) {
+    const auto recovered = RecoverAtlas(*store);
+    if (!recovered) return tl::make_unexpected(recovered.error());
+    replay.AddCopies(recovered->atlas, copies);
+  }
   const auto take = [&replay](const JournalEntry& entry) { return replay.Take(entry); };
   if (auto status = store->ForEachEditsAfter(0, take); !status) return status;
   replay.Print();
@@ -253,11 +283,17 @@ Status Run(const std::string& path, const std::vector<std::string>& datasets) {
 }  // namespace pangaea
 
 int main(int argc, char** argv) {
-  if (argc < 2) {
-    std::fprintf(stderr, "place_replay STORE DATASET...\n");
+  std::vector<std::string> arguments(argv + 1, argv + argc);
+  std::size_t copies = 0;
+  if (arguments.size() >= 2 && arguments[0] == "--copies") {
+    copies = std::stoul(arguments[1]);
+    arguments.erase(arguments.begin(), arguments.begin() + 2);
+  }
+  if (arguments.empty()) {
+    std::fprintf(stderr, "place_replay [--copies N] STORE DATASET...\n");
     return 2;
   }
-  const auto status = pangaea::Run(argv[1], {argv + 2, argv + argc});
+  const auto status = pangaea::Run(arguments[0], {arguments.begin() + 1, arguments.end()}, copies);
   if (status) return 0;
   std::fprintf(stderr, "%s\n", status.error().message.c_str());
   return 1;
