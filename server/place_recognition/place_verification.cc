@@ -31,10 +31,10 @@ PlaceVerdict PlaceVerification::Compare(const PlaceCandidate& candidate) {
   verdict.trial.candidate = candidate.keyframe;
   verdict.trial.score = candidate.score;
   const Keyframe& keyframe = *atlas_.FindKeyframe(candidate.keyframe);
-  std::vector<Match> own_matches = MatchOwnLandmarks(keyframe, verdict.trial);
+  const std::vector<Match> own_matches = MatchOwnLandmarks(keyframe, verdict.trial);
   if (own_matches.size() < options_.geometry.min_own_matches) return verdict;
   const PlaceView view = MakePlaceView(atlas_, keyframe, options_.geometry.covisible);
-  const auto motion = Align(view, std::move(own_matches), verdict.trial);
+  const auto motion = Align(view, own_matches, verdict.trial);
   if (motion) Refine(view, *motion, verdict);
   return verdict;
 }
@@ -67,17 +67,23 @@ std::vector<Match> PlaceVerification::MatchOwnLandmarks(const Keyframe& candidat
   return matches;
 }
 
-std::optional<Similarity3d> PlaceVerification::Align(const PlaceView& candidate, std::vector<Match> matches,
+std::optional<Similarity3d> PlaceVerification::Align(const PlaceView& candidate, std::span<const Match> matches,
                                                      PlaceTrial& trial) {
   const StageScope stage(stages_, "place.align");
-  const PlaceGeometryOptions& options = options_.geometry;
-  // A keyframe's own landmarks come first in its view, on either side: indices keep their meaning.
-  if (matches.size() < options.min_matches) matches = MatchOwn(candidate.keypoints, candidate.descriptors);
+  // The two keyframes' own landmarks first, then those around the candidate as well. A keyframe's own come first in its
+  // view, on either side: indices keep their meaning.
+  auto motion = FindMotionOf(candidate, matches, trial);
+  if (!motion) motion = FindMotionOf(candidate, MatchOwn(candidate.keypoints, candidate.descriptors), trial);
+  return motion;
+}
+
+std::optional<Similarity3d> PlaceVerification::FindMotionOf(const PlaceView& candidate, std::span<const Match> matches,
+                                                            PlaceTrial& trial) {
   trial.counts.matches = matches.size();
-  if (matches.size() < options.min_matches) return std::nullopt;
+  if (matches.size() < options_.geometry.min_matches) return std::nullopt;
   trial.outcome = PlaceOutcome::kNoMotion;
   const std::uint64_t seed = SeedOf(options_.seed, query_.id, candidate.center().id);
-  return FindMotion(View(), candidate, matches, options, seed, trial.counts.aligned);
+  return FindMotion(View(), candidate, matches, options_.geometry, seed, trial.counts.aligned);
 }
 
 void PlaceVerification::Refine(const PlaceView& candidate, const Similarity3d& candidate_from_query,

@@ -45,7 +45,9 @@ class PlaceVerification {
  private:
   std::vector<Match> MatchOwn(std::span<const Keypoint> keypoints, std::span<const Descriptor> descriptors) const;
   std::vector<Match> MatchOwnLandmarks(const Keyframe& candidate, PlaceTrial& trial) const;
-  std::optional<Similarity3d> Align(const PlaceView& candidate, std::vector<Match> matches, PlaceTrial& trial);
+  std::optional<Similarity3d> Align(const PlaceView& candidate, std::span<const Match> matches, PlaceTrial& trial);
+  std::optional<Similarity3d> FindMotionOf(const PlaceView& candidate, std::span<const Match> matches,
+                                           PlaceTrial& trial);
   void Refine(const PlaceView& candidate, const Similarity3d& candidate_from_query, PlaceVerdict& verdict);
   void Ask(KeyframeId candidate, const Similarity3d& candidate_from_query, PlaceVerdict& verdict);
   PlaceMatch MakeMatch(const PlaceView& candidate, const PlaceAlignment& alignment, const PlaceTrial& trial);
