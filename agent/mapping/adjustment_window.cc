@@ -2,12 +2,16 @@
 #include <map>
 #include <set>
 
+#include "agent/absorption/absorption.h"
 #include "agent/mapping/local_bundle_adjustment.h"
 #include "agent/mapping/neighbourhood.h"
 #include "common/map/covisibility.h"
 
 namespace pangaea {
 namespace {
+
+// So many landmarks that do not move hold the gauge; three would do if none of them were an outlier.
+constexpr std::size_t kHoldingLandmarks = 30;
 
 bool IsRoot(const Keyframe& keyframe) { return !keyframe.parent.valid(); }
 
@@ -34,17 +38,22 @@ AdjustmentWindow ChooseAdjustmentWindow(const Atlas& atlas, KeyframeId newest,
                                         const LocalBundleAdjustmentOptions& options) {
   AdjustmentWindow window;
   const std::vector<KeyframeId> near = GrowWindow(atlas, newest, options.window_keyframes);
-  // The root holds the map's origin; guests belong to another session.
-  std::copy_if(near.begin(), near.end(), std::back_inserter(window.free),
-               [&](KeyframeId id) { return id.session == newest.session && !IsRoot(*atlas.FindKeyframe(id)); });
+  // The root holds the map's origin.
+  std::copy_if(near.begin(), near.end(), std::back_inserter(window.free), [&](KeyframeId id) {
+    const Keyframe& keyframe = *atlas.FindKeyframe(id);
+    return !IsRoot(keyframe) && !IsReadOnly(keyframe, newest.session);
+  });
   std::sort(window.free.begin(), window.free.end());
   for (const LandmarkId id : LandmarksSeenBy(atlas, window.free)) {
-    auto& kind = atlas.FindLandmark(id)->observations.size() > 1 ? window.landmarks : window.carried;
+    const Landmark& landmark = *atlas.FindLandmark(id);
+    const bool held = IsReadOnly(atlas, landmark, newest.session);
+    auto& kind = held ? window.held : landmark.observations.size() > 1 ? window.landmarks : window.carried;
     kind.push_back(id);
   }
   std::set<KeyframeId> free(window.free.begin(), window.free.end());
   window.fixed = ChooseFixed(atlas, window.landmarks, free, options.fixed_keyframes);
-  if (window.fixed.empty() && !window.free.empty()) {
+  const bool held = window.held.size() >= kHoldingLandmarks;
+  if (window.fixed.empty() && !window.free.empty() && !held) {
     // Without a fixed keyframe the gauge drifts: the oldest holds it.
     window.fixed.push_back(window.free.front());
     window.free.erase(window.free.begin());

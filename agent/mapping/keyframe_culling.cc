@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "agent/absorption/absorption.h"
 #include "common/mapping/keyframe_redundancy.h"
 
 namespace pangaea {
@@ -11,8 +12,9 @@ std::optional<KeyframeId> FindRedundantKeyframe(const Atlas& atlas, const Keyfra
                                                 const KeyframeCullingOptions& options) {
   for (const Covisibility& neighbour : newest.covisible) {
     const Keyframe& keyframe = *atlas.FindKeyframe(neighbour.keyframe);
-    const bool own = keyframe.id.session == newest.id.session;
-    if (!own || !keyframe.parent.valid() || keyframe.id.counter + options.newest_kept > newest.id.counter) continue;
+    if (IsReadOnly(keyframe, newest.id.session) || !keyframe.parent.valid() ||
+        keyframe.id.counter + options.newest_kept > newest.id.counter)
+      continue;
     if (std::find(kept.begin(), kept.end(), keyframe.id) != kept.end()) continue;
     // One octave coarser is no loss.
     const RedundancyCriterion criterion{.other_observers = options.other_observers,

@@ -10,8 +10,8 @@ namespace pangaea {
 
 // A covisible keyframe of `newest` that says nothing new: nearly all of its landmarks are seen by enough other
 // keyframes on the same or a finer octave (Mur-Artal and Tardos 2015, section VI-E). Stereo keyframes are judged by
-// their near landmarks, within `close_depth_baselines`. Never the root, a keyframe of another session, one of `kept`,
-// or one of the newest. The oldest such one; remove it before asking again.
+// their near landmarks, within `close_depth_baselines`. Never the root, one that is read-only (IsReadOnly), one of
+// `kept`, or one of the newest. The oldest such one; remove it before asking again.
 std::optional<KeyframeId> FindRedundantKeyframe(const Atlas& atlas, const Keyframe& newest,
                                                 const std::vector<KeyframeId>& kept, double close_depth_baselines,
                                                 const KeyframeCullingOptions& options);

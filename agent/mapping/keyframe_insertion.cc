@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "common/estimation/pose_refinement.h"
+#include "common/map/edits/reference_scale.h"
 #include "common/mapping/measurement_noise.h"
 
 namespace pangaea {
@@ -19,18 +20,20 @@ std::map<LandmarkId, std::uint32_t> LivingLandmarks(const Atlas& atlas, const Ke
     if (!candidate.landmarks[keypoint].valid()) continue;
     const LandmarkId id = atlas.Resolve(candidate.landmarks[keypoint]);
     const Landmark* landmark = atlas.FindLandmark(id);
-    if (landmark == nullptr || atlas.MapOf(*landmark) != candidate.map) continue;
+    if (landmark == nullptr || atlas.MapOf(*landmark) != atlas.Resolve(candidate.map)) continue;
     living.try_emplace(id, keypoint);
   }
   return living;
 }
 
-// The keyframe that observes most of the landmarks, the newer one of equals; `otherwise` where there is none.
-KeyframeId ChooseParent(const Atlas& atlas, const std::map<LandmarkId, std::uint32_t>& landmarks,
+// The session's keyframe that observes most of the landmarks, the newer one of equals; `otherwise` where there is none.
+KeyframeId ChooseParent(const Atlas& atlas, const std::map<LandmarkId, std::uint32_t>& landmarks, SessionId session,
                         KeyframeId otherwise) {
   std::map<KeyframeId, int> shared;
   for (const auto& [id, keypoint] : landmarks) {
-    for (const Observation& observation : atlas.FindLandmark(id)->observations) ++shared[observation.keyframe];
+    for (const Observation& observation : atlas.FindLandmark(id)->observations) {
+      if (observation.keyframe.session == session) ++shared[observation.keyframe];
+    }
   }
   KeyframeId best = otherwise;
   int most = 0;
@@ -72,16 +75,17 @@ Rigid3d RefineOnLandmarks(const Atlas& atlas, const KeyframeCandidate& candidate
 std::optional<AddKeyframe> MakeChild(const Atlas& atlas, const KeyframeCandidate& candidate,
                                      const std::map<LandmarkId, std::uint32_t>& landmarks,
                                      const MeasurementNoiseOptions& noise) {
-  const MapInfo* map = atlas.FindMap(candidate.map);
+  const MapInfo* map = atlas.FindMap(atlas.Resolve(candidate.map));
   // It may have been culled since the candidate was tracked against it.
   const auto reference = atlas.ResolvePose(candidate.reference);
-  if (map == nullptr || map->closed || !reference || reference->keyframe->map != candidate.map) return std::nullopt;
+  if (map == nullptr || map->closed || !reference || reference->keyframe->map != map->id) return std::nullopt;
   const Rigid3d tracked =
-      candidate.camera_from_reference * reference->keyframe_from_asked.Inverse() * reference->keyframe->camera_from_map;
+      ScaleLengths(candidate.camera_from_reference, LengthFactor(*reference->keyframe, candidate.reference_scale)) *
+      reference->keyframe_from_asked.Inverse() * reference->keyframe->camera_from_map;
   const Rigid3d camera_from_map = RefineOnLandmarks(atlas, candidate, landmarks, tracked, noise);
-  const KeyframeId parent = ChooseParent(atlas, landmarks, reference->keyframe->id);
+  const KeyframeId parent = ChooseParent(atlas, landmarks, candidate.id.session, reference->keyframe->id);
   return AddKeyframe{.id = candidate.id,
-                     .map = candidate.map,
+                     .map = map->id,
                      .parent = parent,
                      .camera_from_parent = camera_from_map * atlas.FindKeyframe(parent)->camera_from_map.Inverse(),
                      .data = candidate.data};

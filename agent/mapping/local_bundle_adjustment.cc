@@ -6,6 +6,34 @@
 namespace pangaea {
 namespace {
 
+WindowBundle BuildBundle(const Atlas& atlas, const AdjustmentWindow& window, const MeasurementNoiseOptions& noise) {
+  BundleWindow all{.free = window.free, .fixed = window.fixed, .landmarks = window.landmarks};
+  all.landmarks.insert(all.landmarks.end(), window.held.begin(), window.held.end());
+  WindowBundle bundle = BuildWindowBundle(atlas, all, noise);
+  for (std::size_t i = window.landmarks.size(); i < all.landmarks.size(); ++i) bundle.problem.points[i].fixed = true;
+  return bundle;
+}
+
+// Of landmarks that are the session's to judge, what its keyframes see wrongly goes; of those it may only read, its own
+// observations.
+std::vector<MapEdit> RemoveOwnOutliers(const Atlas& atlas, const AdjustmentWindow& window, const WindowBundle& bundle,
+                                       std::vector<std::uint8_t> outliers) {
+  const SessionId session = window.free.front().session;
+  std::vector<MapEdit> of_held;
+  for (std::size_t i = 0; i < outliers.size(); ++i) {
+    if (outliers[i] == 0) continue;
+    const BundleObservation& observation = bundle.problem.observations[i];
+    const KeyframeId keyframe = bundle.keyframes[static_cast<std::size_t>(observation.pose)];
+    const auto point = static_cast<std::size_t>(observation.point);
+    const bool held = point >= window.landmarks.size();
+    if (held && keyframe.session == session) of_held.emplace_back(RemoveObservation{bundle.landmarks[point], keyframe});
+    if (held || keyframe.session != session) outliers[i] = 0;
+  }
+  std::vector<MapEdit> removals = RemoveOutliers(atlas, bundle, outliers);
+  removals.insert(removals.end(), of_held.begin(), of_held.end());
+  return removals;
+}
+
 BundleOptions SolverOptions(const LocalBundleAdjustmentOptions& options, std::stop_token stop) {
   BundleOptions solver;
   solver.solver = options.back_end == BundleAdjustmentBackEnd::kFast ? BundleSolver::kLocal : BundleSolver::kDenseSchur;
@@ -21,9 +49,8 @@ LocalAdjustment AdjustLocalMap(const Atlas& atlas, const AdjustmentWindow& windo
                                const LocalBundleAdjustmentOptions& options, const MeasurementNoiseOptions& noise,
                                std::stop_token stop) {
   LocalAdjustment adjustment;
-  if (window.free.empty() || window.landmarks.empty()) return adjustment;
-  const WindowBundle bundle =
-      BuildWindowBundle(atlas, {.free = window.free, .fixed = window.fixed, .landmarks = window.landmarks}, noise);
+  if (window.free.empty() || window.landmarks.size() + window.held.size() == 0) return adjustment;
+  const WindowBundle bundle = BuildBundle(atlas, window, noise);
   const auto result = SolveBundle(bundle.problem, SolverOptions(options, std::move(stop)));
   PANGAEA_CHECK(result.has_value());
   for (std::size_t i = 0; i < window.free.size(); ++i) {
@@ -38,7 +65,7 @@ LocalAdjustment AdjustLocalMap(const Atlas& atlas, const AdjustmentWindow& windo
     const Rigid3d& after = result->poses[static_cast<std::size_t>(bundle.pose_index.at(landmark.reference))];
     adjustment.point_in_map.emplace_back(id, after.Inverse() * (before * landmark.point_in_map));
   }
-  adjustment.removals = RemoveOutliers(atlas, bundle, result->outliers);
+  adjustment.removals = RemoveOwnOutliers(atlas, window, bundle, result->outliers);
   return adjustment;
 }
 

@@ -13,9 +13,10 @@ namespace pangaea {
 
 // What a local bundle adjustment moves, and who holds it in place.
 struct AdjustmentWindow {
-  std::vector<KeyframeId> free;       // the newest and those around it, never the root or another session's
-  std::vector<KeyframeId> fixed;      // see the same landmarks; never empty when `free` is not
+  std::vector<KeyframeId> free;       // the newest and those around it, never the root or a read-only one
+  std::vector<KeyframeId> fixed;      // see the same landmarks; may be empty where `held` are enough to hold the gauge
   std::vector<LandmarkId> landmarks;  // ascending; seen by a free keyframe and at least one more
+  std::vector<LandmarkId> held;       // ascending; read-only (IsReadOnly), seen by a free keyframe
   // Landmarks that one free keyframe alone sees: they say nothing about its pose and move with it.
   std::vector<LandmarkId> carried;
 };

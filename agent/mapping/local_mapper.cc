@@ -3,6 +3,8 @@
 #include <limits>
 #include <utility>
 
+#include "agent/absorption/absorption.h"
+#include "agent/mapping/guest_rules.h"
 #include "agent/mapping/keyframe_culling.h"
 #include "agent/mapping/keyframe_insertion.h"
 #include "agent/mapping/landmark_creation.h"
@@ -85,10 +87,19 @@ void LocalMapper::AddFrames(std::span<const TrackedFrame> frames) {
 }
 
 void LocalMapper::CloseMap(MapId map) {
-  const MapInfo* info = atlas_.FindMap(map);
+  const MapInfo* info = atlas_.FindMap(atlas_.Resolve(map));
   if (info == nullptr || info->closed) return;
-  Commit(pangaea::CloseMap{.map = map});
+  Commit(pangaea::CloseMap{.map = info->id});
   trials_ = LandmarkTrials(options_.landmark_culling);
+}
+
+void LocalMapper::Absorb(const AgentCorrection& correction, const Atlas& base) {
+  const AbsorptionInput input{session_, correction.version, base, correction.pieces};
+  Commit(PlanAbsorption(atlas_, input));
+}
+
+void LocalMapper::Adopt(std::span<const MapEdit> edits) {
+  for (const MapEdit& edit : edits) PANGAEA_CHECK(Apply(edit, atlas_).has_value());
 }
 
 std::vector<MapEdit> LocalMapper::TakeEdits() { return std::exchange(pending_edits_, {}); }
@@ -96,14 +107,17 @@ std::vector<MapEdit> LocalMapper::TakeEdits() { return std::exchange(pending_edi
 void LocalMapper::SearchOldLandmarks(KeyframeId newest) {
   const Keyframe& keyframe = *atlas_.FindKeyframe(newest);
   const std::vector<KeyframeId> neighbours = Neighbourhood(atlas_, keyframe, options_.neighbourhood);
-  Commit(SearchLandmarks(atlas_, keyframe, LandmarksSeenBy(atlas_, neighbours), options_.search));
+  Commit(RespectOthers(atlas_, session_,
+                       SearchLandmarks(atlas_, keyframe, LandmarksSeenBy(atlas_, neighbours), options_.search)));
 }
 
 void LocalMapper::CreateLandmarks(KeyframeId newest) {
   CommitCreated(CreateFromStereo(atlas_, *atlas_.FindKeyframe(newest), NextLandmark(), options_.creation));
   const Keyframe& keyframe = *atlas_.FindKeyframe(newest);
   std::vector<KeyframeId> neighbours = BestCovisible(keyframe, options_.creation.neighbours);
-  if (neighbours.empty() && keyframe.parent.valid()) neighbours.push_back(keyframe.parent);
+  // A guest's keypoints are not for this agent to give landmarks to.
+  std::erase_if(neighbours, [this](KeyframeId id) { return id.session != session_; });
+  if (neighbours.empty() && keyframe.parent.session == session_) neighbours.push_back(keyframe.parent);
   CommitCreated(CreateByTriangulation(atlas_, keyframe, neighbours, NextLandmark(), options_.creation, options_.noise));
 }
 
@@ -112,7 +126,8 @@ void LocalMapper::FuseIntoNeighbours(KeyframeId newest, const std::stop_token& s
     if (stop.stop_requested()) return;
     // Anew for each: an earlier fusion may have replaced a landmark.
     const std::vector<LandmarkId> wanted = LandmarksSeenBy(atlas_, {newest});
-    Commit(SearchLandmarks(atlas_, *atlas_.FindKeyframe(neighbour), wanted, options_.search));
+    Commit(RespectOthers(atlas_, session_,
+                         SearchLandmarks(atlas_, *atlas_.FindKeyframe(neighbour), wanted, options_.search)));
   }
 }
 

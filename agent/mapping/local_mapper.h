@@ -13,6 +13,7 @@
 #include "common/map/atlas.h"
 #include "common/map/edits/edits.h"
 #include "common/map/ids.h"
+#include "common/wire/agent_correction.h"
 
 namespace pangaea {
 
@@ -37,6 +38,11 @@ class LocalMapper {
   void AddFrames(std::span<const TrackedFrame> frames);
   // No further keyframes. Landmarks on trial stay as they are. Nothing happens to an unknown map.
   void CloseMap(MapId map);
+
+  // Takes in what the server says (PlanAbsorption).
+  void Absorb(const AgentCorrection& correction, const Atlas& base);
+  // What the uplink asks for (UplinkPlan::own_edits): not among the edits that TakeEdits returns.
+  void Adopt(std::span<const MapEdit> edits);
 
   const Atlas& atlas() const { return atlas_; }
   // All edits applied since the last call, in order.

@@ -79,6 +79,10 @@ Status ReadAgentConfig(const std::filesystem::path& path, AgentOptions& options)
   double patience_s = std::chrono::duration<double>(options.flush_patience).count();
   reader->Read("uplink.patience_s", &patience_s, Range{0.0, 86400.0});
   options.flush_patience = std::chrono::milliseconds(std::llround(1000.0 * patience_s));
+  double correction_patience_s = std::chrono::duration<double>(options.correction_patience).count();
+  reader->Read("corrections.patience_s", &correction_patience_s, Range{0.0, 86400.0});
+  options.correction_patience = std::chrono::milliseconds(std::llround(1000.0 * correction_patience_s));
+  reader->Read("corrections.deterministic_frames", &options.frames_between_corrections, Range{1, 1000000});
   if (auto status = reader->Finish(); !status) return status;
   return options.Check();
 }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "agent/runtime/mapping_worker.h"
+#include "agent/tracking/odometry.h"
 #include "common/base/version.h"
 #include "common/place/vocabulary_file.h"
 #include "common/sensor/dataset.h"
@@ -39,12 +40,15 @@ bool BeginsMap(const TrackingResult& result) {
 class FrameLoop {
  public:
   FrameLoop(std::optional<std::size_t> frame_count, const Rectifier& rectifier, const AgentOptions& options,
-            std::shared_ptr<const VocabularyTree> vocabulary, AgentRun& run, MappingWorker& worker)
+            std::shared_ptr<const VocabularyTree> vocabulary, AgentRun& run, MappingWorker& worker,
+            UplinkThread* uplink)
       : frame_count_(frame_count),
         rectifier_(rectifier),
         options_(options),
         run_(run),
         worker_(worker),
+        uplink_(uplink),
+        odometry_(rectifier.body_from_camera().Inverse()),
         camera_from_body_(rectifier.body_from_camera().Inverse()),
         tracker_(run.session, rectifier.camera(), options.tracking, std::move(vocabulary), options.seed) {}
 
@@ -53,12 +57,16 @@ class FrameLoop {
     if (!options_.deterministic) thread.emplace(worker_);
     while (auto frame = source.Next()) {
       const auto atlas = worker_.snapshot();
+      const auto begin = Clock::now();
       TrackingResult result = Track(*frame, atlas);
       Record(frame->stamp_ns, result);
+      if (uplink_ != nullptr && result.unrecognised != nullptr) AskWhere(std::move(result.unrecognised));
+      if (uplink_ != nullptr) TellState(frame->stamp_ns, result, *atlas, Clock::now() - begin);
       const bool keyframe = result.keyframe.has_value();
       const bool new_map = BeginsMap(result);
       MappingInput input = MappingInputOf(std::move(result));
       if (!thread) {
+        worker_.AllowCorrections(++frames_ % options_.frames_between_corrections == 0);
         worker_.Process(std::move(input));
         continue;
       }
@@ -118,11 +126,52 @@ class FrameLoop {
                  run_.tracked, atlas->keyframe_count(), atlas->landmark_count());
   }
 
+  // Not with every frame: the server needs its time, and consecutive frames show the same.
+  void AskWhere(std::shared_ptr<const KeyframeData> frame) {
+    constexpr std::int64_t kBetweenRequestsNs = 500'000'000;
+    if (asked_ns_ && frame->stamp_ns - *asked_ns_ < kBetweenRequestsNs) return;
+    asked_ns_ = frame->stamp_ns;
+    uplink_->AskWhere(std::move(frame));
+  }
+
+  void TellState(std::int64_t stamp_ns, const TrackingResult& result, const Atlas& atlas, Clock::duration took) {
+    AgentState state;
+    if (result.tracked) odometry_.Update(result.camera_from_map, result.current_from_previous, ScaleOf(atlas, result));
+    const OdometryState& odometry = odometry_.state();
+    state.session = run_.session;
+    state.stamp_ns = stamp_ns;
+    state.tracking = result.tracked                         ? AgentTracking::kTracking
+                     : result.state == TrackingState::kLost ? AgentTracking::kLost
+                                                            : AgentTracking::kInitializing;
+    state.discontinuity = result.tracked && odometry.discontinuity;
+    state.map_counter = result.map.counter;
+    state.odom_from_body = odometry.odom_from_body;
+    state.map_from_odom = odometry.map_from_odom;
+    state.frames = run_.tracked + run_.lost;
+    state.tracked = run_.tracked;
+    state.keyframes = static_cast<std::uint32_t>(atlas.keyframe_count());
+    state.landmarks = static_cast<std::uint32_t>(atlas.landmark_count());
+    state.tracking_ms = std::chrono::duration<float, std::milli>(took).count();
+    const UplinkCounters uplink = uplink_->counters();
+    state.bytes_sent = uplink.bytes_sent;
+    state.retained_edits = uplink.last_sequence - uplink.acknowledged;
+    uplink_->Tell(state);
+  }
+
+  static double ScaleOf(const Atlas& atlas, const TrackingResult& result) {
+    const Keyframe* reference = atlas.FindKeyframe(atlas.Resolve(result.reference));
+    return reference == nullptr ? 1.0 : reference->scale;
+  }
+
   const std::optional<std::size_t> frame_count_;
   const Rectifier& rectifier_;
   const AgentOptions& options_;
   AgentRun& run_;
   MappingWorker& worker_;
+  UplinkThread* uplink_;  // nullptr: without a server
+  Odometry odometry_;
+  int frames_ = 0;
+  std::optional<std::int64_t> asked_ns_;  // stamp of the frame the server was last asked about
   const Rigid3d camera_from_body_;
   Tracker tracker_;
   StageClock stages_;
@@ -176,7 +225,7 @@ void CloseLink(const AgentOptions& options, const std::stop_token& hurry, Server
   const std::stop_callback hurry_uplink(hurry, [&link] { link.uplink->Hurry(); });
   spdlog::info("waiting up to {:.0f} s for the server to acknowledge everything (Ctrl-C: no longer)",
                std::chrono::duration<double>(patience).count());
-  const Status flushed = worker.Flush(patience);
+  const Status flushed = worker.Flush(patience, seen ? options.correction_patience : std::chrono::milliseconds(0));
   run.acknowledged = flushed.has_value();
   if (!flushed) run.unconfirmed = flushed.error();
   link.uplink->Stop();
@@ -214,7 +263,7 @@ Result<AgentRun> RunAgent(const AgentOptions& options, const std::stop_token& st
                frame_count ? std::to_string(*frame_count) : "unknown", input.kind,
                options.use_server ? "site " + options.site : "without a server");
   MappingWorker worker(run.session, options.mapping, link->uplink.get());
-  FrameLoop loop(frame_count, *rectifier, options, std::move(*vocabulary), run, worker);
+  FrameLoop loop(frame_count, *rectifier, options, std::move(*vocabulary), run, worker, link->uplink.get());
   FrameSource source(*input.frames, options.rate);
   {
     const std::stop_callback stop_source(stop, [&source] { source.Stop(); });

@@ -1,9 +1,9 @@
 #include "agent/runtime/mapping_worker.h"
 
+#include <chrono>
 #include <utility>
 
 #include "common/base/check.h"
-#include "common/map/map_edit.h"
 
 namespace pangaea {
 namespace {
@@ -19,7 +19,7 @@ MappingInput MappingInputOf(TrackingResult result) {
   if (result.keyframe) input.keyframe = std::make_shared<const KeyframeCandidate>(std::move(*result.keyframe));
   input.opening = std::move(result.opening);
   input.frames = std::move(result.earlier_frames);
-  if (result.tracked) input.frames.push_back(TrackedFrame{result.reference, result.pose});
+  if (result.tracked) input.frames.push_back(TrackedFrame{result.reference, result.pose, result.reference_scale});
   return input;
 }
 
@@ -27,17 +27,20 @@ MappingWorker::MappingWorker(SessionId session, const LocalMappingOptions& optio
     : session_(session), mapper_(session, options), uplink_(uplink), snapshot_(std::make_shared<const Atlas>()) {}
 
 void MappingWorker::Process(MappingInput input) {
+  const bool absorbed = absorbs_ && AbsorbCorrection();
   if (input.keyframe != nullptr) {
     AddWaitingFrames();
     mapper_.Insert(*input.keyframe, stages_);
+    reference_ = input.keyframe->id;
   }
   if (input.opening != nullptr) {
     AddWaitingFrames();
     mapper_.Open(*input.opening, stages_);
+    reference_ = input.opening->second.id;
   }
   waiting_frames_.insert(waiting_frames_.end(), input.frames.begin(), input.frames.end());
   if (waiting_frames_.size() >= kFramesPerBatch) AddWaitingFrames();
-  if (input.keyframe != nullptr || input.opening != nullptr) Publish();
+  if (absorbed || input.keyframe != nullptr || input.opening != nullptr) Publish();
 }
 
 void MappingWorker::Finish() {
@@ -48,17 +51,35 @@ void MappingWorker::Finish() {
   Publish();
 }
 
-Status MappingWorker::Flush(std::chrono::milliseconds patience) {
+Status MappingWorker::Flush(std::chrono::milliseconds patience, std::chrono::milliseconds correction_patience) {
   if (uplink_ == nullptr) return {};
-  const auto adopted = uplink_->Flush(UplinkBatch{snapshot(), mapper_.TakeEdits()}, patience);
-  if (!adopted) return tl::make_unexpected(adopted.error());
-  if (adopted->empty()) return {};
-  Atlas atlas = *snapshot();
-  for (const MapEdit& edit : *adopted) {
-    if (const Status status = Apply(edit, atlas); !status) return status;
+  Status flushed = FlushOnce(patience);
+  const auto deadline = std::chrono::steady_clock::now() + correction_patience;
+  while (flushed) {
+    const auto left = deadline - std::chrono::steady_clock::now();
+    if (!uplink_->AwaitCorrection(std::chrono::duration_cast<std::chrono::milliseconds>(left))) break;
+    if (AbsorbCorrection()) flushed = FlushOnce(patience);
   }
-  snapshot_.Set(std::make_shared<const Atlas>(std::move(atlas)));
+  return flushed;
+}
+
+Status MappingWorker::FlushOnce(std::chrono::milliseconds patience) {
+  const auto adopted = uplink_->Flush(TakeBatch(), patience);
+  if (!adopted) return tl::make_unexpected(adopted.error());
+  mapper_.Adopt(*adopted);
+  snapshot_.Set(std::make_shared<const Atlas>(mapper_.atlas()));
   return {};
+}
+
+bool MappingWorker::AbsorbCorrection() {
+  if (uplink_ == nullptr) return false;
+  auto ready = uplink_->TakeCorrection();
+  if (!ready) return false;
+  const StageScope stage(stages_, "mapping.absorb");
+  AddWaitingFrames();
+  mapper_.Absorb(*ready->correction, ready->base);
+  absorbed_ = std::move(ready->correction);
+  return true;
 }
 
 void MappingWorker::AddWaitingFrames() {
@@ -68,9 +89,14 @@ void MappingWorker::AddWaitingFrames() {
 }
 
 void MappingWorker::Publish() {
-  snapshot_.Set(std::make_shared<const Atlas>(mapper_.atlas()));
-  std::vector<MapEdit> edits = mapper_.TakeEdits();
-  if (uplink_ != nullptr) (void)uplink_->Submit(UplinkBatch{snapshot_.Get(), std::move(edits)});
+  UplinkBatch batch = TakeBatch();
+  snapshot_.Set(batch.snapshot);
+  if (uplink_ != nullptr) (void)uplink_->Submit(std::move(batch));
+}
+
+UplinkBatch MappingWorker::TakeBatch() {
+  return {std::make_shared<const Atlas>(mapper_.atlas()), mapper_.TakeEdits(), std::exchange(absorbed_, nullptr),
+          reference_};
 }
 
 MappingThread::MappingThread(MappingWorker& worker)

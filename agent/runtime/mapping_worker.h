@@ -30,24 +30,34 @@ class MappingWorker {
   MappingWorker(SessionId session, const LocalMappingOptions& options, UplinkThread* uplink);
 
   void Process(MappingInput input);
+  // Whether Process takes in corrections. For runs that are to be the same every time: they choose the frames.
+  void AllowCorrections(bool allow) { absorbs_ = allow; }
   // Closes the session's maps, which until then the camera may come back to, and hands on what is still waiting.
   // Afterwards the atlas changes no more.
   void Finish();
-  // Sends everything exactly, and adopts what the uplink asks for. After Finish.
-  Status Flush(std::chrono::milliseconds patience);
+  // Sends everything exactly, and adopts what the uplink asks for. Then waits, at most so long in turn, for what the
+  // server still corrects. After Finish.
+  Status Flush(std::chrono::milliseconds patience, std::chrono::milliseconds correction_patience);
 
   std::shared_ptr<const Atlas> snapshot() const { return snapshot_.Get(); }
   const StageClock& stages() const { return stages_; }
 
  private:
   void AddWaitingFrames();
+  // What the server says, where there is something new. Returns whether there was.
+  bool AbsorbCorrection();
+  Status FlushOnce(std::chrono::milliseconds patience);
   void Publish();
+  UplinkBatch TakeBatch();
 
   const SessionId session_;
   LocalMapper mapper_;
   UplinkThread* uplink_;
   StageClock stages_;
   std::vector<TrackedFrame> waiting_frames_;
+  std::shared_ptr<const AgentCorrection> absorbed_;  // since the last batch
+  KeyframeId reference_;                             // what the camera is near to
+  bool absorbs_ = true;
   Published<Atlas> snapshot_;
 };
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <variant>
 
+#include "agent/runtime/downlink.h"
 #include "agent/runtime/spill_file.h"
 #include "common/base/bounded_queue.h"
 #include "common/base/mutex.h"
@@ -17,6 +18,8 @@
 #include "common/dds/writer.h"
 #include "common/wire/edit_ack.h"
 #include "common/wire/envelope.h"
+#include "common/wire/map_interest.h"
+#include "common/wire/relocalization.h"
 
 namespace pangaea {
 namespace {
@@ -33,15 +36,42 @@ struct FlushRequest {
   Clock::time_point deadline;
   std::shared_ptr<std::promise<Result<std::vector<MapEdit>>>> done;
 };
+struct WhereRequest {
+  std::shared_ptr<const KeyframeData> frame;
+};
 struct HurryRequest {};
 struct StopRequest {};
-using Event = std::variant<UplinkBatch, FlushRequest, EditAck, MatchChange, HurryRequest, StopRequest>;
+using Event = std::variant<UplinkBatch, FlushRequest, EditAck, CorrectionPart, WhereRequest, MatchChange, HurryRequest,
+                           StopRequest>;
 
 struct Endpoints {
   Writer<SessionAnnouncement> session;
   Writer<Envelope> edits;
+  Writer<MapInterest> interest;
+  Writer<RelocalizationRequest> where;
+  Writer<AgentState> state;
   Reader<EditAck> acks;
+  Reader<CorrectionPart> corrections;
 };
+
+Result<Endpoints> OpenEndpoints(const Participant& participant) {
+  auto session = Writer<SessionAnnouncement>::Open(participant);
+  if (!session) return tl::make_unexpected(session.error());
+  auto edits = Writer<Envelope>::Open(participant);
+  if (!edits) return tl::make_unexpected(edits.error());
+  auto interest = Writer<MapInterest>::Open(participant);
+  if (!interest) return tl::make_unexpected(interest.error());
+  auto where = Writer<RelocalizationRequest>::Open(participant);
+  if (!where) return tl::make_unexpected(where.error());
+  auto state = Writer<AgentState>::Open(participant);
+  if (!state) return tl::make_unexpected(state.error());
+  auto acks = Reader<EditAck>::Open(participant);
+  if (!acks) return tl::make_unexpected(acks.error());
+  auto corrections = Reader<CorrectionPart>::Open(participant);
+  if (!corrections) return tl::make_unexpected(corrections.error());
+  return Endpoints{std::move(*session), std::move(*edits), std::move(*interest),   std::move(*where),
+                   std::move(*state),   std::move(*acks),  std::move(*corrections)};
+}
 
 class UplinkLoop final : public UplinkThread {
  public:
@@ -57,6 +87,10 @@ class UplinkLoop final : public UplinkThread {
 
   Status Begin() {
     Status status = waiter_->OnSample<EditAck>(endpoints_.acks, [this](Sample<EditAck> sample) {
+      if (sample.alive && sample.value.session == session_.session) (void)events_.Push(std::move(sample.value));
+    });
+    if (!status) return status;
+    status = waiter_->OnSample<CorrectionPart>(endpoints_.corrections, [this](Sample<CorrectionPart> sample) {
       if (sample.alive && sample.value.session == session_.session) (void)events_.Push(std::move(sample.value));
     });
     if (!status) return status;
@@ -79,11 +113,25 @@ class UplinkLoop final : public UplinkThread {
     return result.get();
   }
 
-  void Hurry() override { (void)events_.Push(HurryRequest{}); }
+  std::optional<ReadyCorrection> TakeCorrection() override { return downlink_.Take(); }
+
+  bool AwaitCorrection(std::chrono::milliseconds patience) override { return downlink_.Await(Clock::now() + patience); }
+
+  void AskWhere(std::shared_ptr<const KeyframeData> frame) override {
+    (void)events_.Push(WhereRequest{std::move(frame)});
+  }
+
+  void Tell(const AgentState& state) override { (void)endpoints_.state.Write(state); }
+
+  void Hurry() override {
+    downlink_.EndWaiting();
+    (void)events_.Push(HurryRequest{});
+  }
 
   void Stop() override EXCLUDES(stop_mutex_) {
     MutexLock lock(stop_mutex_);
     if (!thread_.joinable()) return;
+    downlink_.EndWaiting();
     waiter_->Stop();
     (void)events_.Push(StopRequest{});
     events_.Close();
@@ -107,6 +155,7 @@ class UplinkLoop final : public UplinkThread {
       if (event) std::visit([this](auto& e) { Handle(e); }, *event);
       stream_.retained().OnTime(Clock::now());
       Continue();
+      downlink_.Offer(stream_);
       SendWhatFits();
       FinishFlush();
       PublishCounters();
@@ -122,17 +171,48 @@ class UplinkLoop final : public UplinkThread {
     return wake;
   }
 
-  void Handle(UplinkBatch& batch) {
-    NoteFailure(stream_.Take(std::move(batch.snapshot), batch.applied_since, PlanKind::kOngoing));
+  void Handle(UplinkBatch& batch) { TakeBatch(batch, PlanKind::kOngoing); }
+
+  void TakeBatch(UplinkBatch& batch, PlanKind kind) {
+    if (batch.absorbed != nullptr) {
+      stream_.Absorb(*batch.absorbed);
+      downlink_.OnAbsorbed(stream_.version());
+      ++local_.corrections;
+    }
+    WriteInterest(batch);
+    NoteFailure(stream_.Take(std::move(batch.snapshot), batch.applied_since, kind));
+  }
+
+  // What the server needs to know to send what is missing here.
+  void WriteInterest(const UplinkBatch& batch) {
+    MapInterest interest{session_.session, stream_.version(), {}, batch.snapshot->Resolve(batch.reference), {}};
+    if (const Keyframe* reference = batch.snapshot->FindKeyframe(interest.reference)) interest.map = reference->map;
+    for (const SessionId session : batch.snapshot->Sessions()) {
+      if (session == session_.session) continue;
+      batch.snapshot->ForEachKeyframe(session, [&](const Keyframe& guest) { interest.guests.push_back(guest.id); });
+    }
+    if (interest == interest_) return;
+    NoteFailure(endpoints_.interest.Write(interest));
+    interest_ = std::move(interest);
   }
 
   void Handle(FlushRequest& request) {
     if (flush_) EndFlush(Fail(ErrorCode::kRefused, "another flush took its place"));
-    NoteFailure(stream_.Take(std::move(request.batch.snapshot), request.batch.applied_since, PlanKind::kFlush));
+    TakeBatch(request.batch, PlanKind::kFlush);
     flush_ = std::move(request);
   }
 
+  void Handle(CorrectionPart& part) {
+    local_.bytes_received += part.octets.size();
+    NoteFailure(downlink_.Receive(std::move(part), stream_));
+  }
+
+  void Handle(WhereRequest& request) {
+    NoteFailure(endpoints_.where.Write({session_.session, ++requests_, std::move(request.frame)}));
+  }
+
   void Handle(EditAck& ack) {
+    downlink_.OnAck(ack);
     for (const Rejection& rejection : stream_.OnAck(ack, Clock::now())) {
       local_.last_error = "the server rejected envelope " + std::to_string(rejection.sequence) + ": " + rejection.text;
       if (local_.rejections++ == 0) spdlog::warn("{}; what it lacks is sent anew", local_.last_error);
@@ -151,6 +231,7 @@ class UplinkLoop final : public UplinkThread {
     stream_.retained().OnServerPresent(change.current > 0);
     const bool was_present = std::exchange(local_.server_present, change.current > 0);
     if (local_.server_present && !was_present) spdlog::info("connected to the server of site {}", session_.site);
+    if (!local_.server_present) downlink_.OnServerLost();
     if (!local_.server_present && was_present) spdlog::warn("lost the server; edits are kept until it is back");
     local_.server_seen = local_.server_seen || local_.server_present;
     retry_.reset();
@@ -236,6 +317,7 @@ class UplinkLoop final : public UplinkThread {
     local_.acknowledged = retained.acknowledged();
     local_.resends = retained.resends();
     local_.repairs = stream_.repairs();
+    local_.correction_version = stream_.version();
     MutexLock lock(counters_mutex_);
     counters_ = local_;
   }
@@ -247,6 +329,9 @@ class UplinkLoop final : public UplinkThread {
   BoundedQueue<Event> events_;
   SpillFile spill_;
   EditStream stream_;
+  Downlink downlink_;
+  MapInterest interest_;
+  std::uint64_t requests_ = 0;
   std::optional<FlushRequest> flush_;
   std::optional<Clock::time_point> retry_;
   UplinkCounters local_;
@@ -273,20 +358,15 @@ Result<std::unique_ptr<UplinkThread>> UplinkThread::Start(const Participant& par
                                                           UplinkOptions options) {
   if (const Status status = options.Check(); !status) return tl::make_unexpected(status.error());
   if (options.spill_path.empty()) options.spill_path = "pangaea-" + ToString(session.session) + ".spill";
-  auto session_writer = Writer<SessionAnnouncement>::Open(participant);
-  if (!session_writer) return tl::make_unexpected(session_writer.error());
-  auto edits = Writer<Envelope>::Open(participant);
-  if (!edits) return tl::make_unexpected(edits.error());
-  auto acks = Reader<EditAck>::Open(participant);
-  if (!acks) return tl::make_unexpected(acks.error());
+  auto endpoints = OpenEndpoints(participant);
+  if (!endpoints) return tl::make_unexpected(endpoints.error());
   auto waiter = Waiter::Create(participant);
   if (!waiter) return tl::make_unexpected(waiter.error());
   session.site = participant.site();
   session.wire_version = kWireVersion;
   session.closed = false;
-  auto loop = std::make_unique<UplinkLoop>(std::move(session), std::move(options),
-                                           Endpoints{std::move(*session_writer), std::move(*edits), std::move(*acks)},
-                                           std::move(*waiter));
+  auto loop =
+      std::make_unique<UplinkLoop>(std::move(session), std::move(options), std::move(*endpoints), std::move(*waiter));
   if (const Status status = loop->Begin(); !status) return tl::make_unexpected(status.error());
   return std::unique_ptr<UplinkThread>(std::move(loop));
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,8 @@
 #include "common/base/result.h"
 #include "common/dds/participant.h"
 #include "common/map/atlas.h"
+#include "common/wire/agent_correction.h"
+#include "common/wire/agent_state.h"
 #include "common/wire/session_announcement.h"
 
 namespace pangaea {
@@ -29,6 +32,14 @@ struct UplinkOptions {
 struct UplinkBatch {
   std::shared_ptr<const Atlas> snapshot;  // after `applied_since`
   std::vector<MapEdit> applied_since;
+  std::shared_ptr<const AgentCorrection> absorbed = nullptr;  // of TakeCorrection: the snapshot has absorbed it
+  KeyframeId reference = {};                                  // what the camera is near to; none: not known
+};
+
+// A correction of the server whose time has come, and what the server had of this session when it made it.
+struct ReadyCorrection {
+  std::shared_ptr<const AgentCorrection> correction;
+  Atlas base;
 };
 
 struct UplinkCounters {
@@ -38,7 +49,10 @@ struct UplinkCounters {
   std::uint64_t acknowledged = 0;
   std::uint64_t resends = 0;  // how often it went back to the last ack
   std::uint64_t rejections = 0;
-  std::uint64_t repairs = 0;  // how often it planned anew what was missing after rejections
+  std::uint64_t corrections = 0;         // absorbed
+  std::uint64_t correction_version = 0;  // of the newest absorbed
+  std::uint64_t bytes_received = 0;      // octets of corrections
+  std::uint64_t repairs = 0;             // how often it planned anew what was missing after rejections
   bool server_present = false;
   bool server_seen = false;  // at any time
   std::string last_error;    // empty: none
@@ -61,6 +75,16 @@ class UplinkThread {
   // the time is over first: what is not acknowledged is then in the spill file, which the message names. kRefused when
   // the server rejects something for good.
   virtual Result<std::vector<MapEdit>> Flush(UplinkBatch batch, std::chrono::milliseconds patience) = 0;
+
+  // The next correction, to be absorbed by mapping and named in its next batch; the one after it is not ready before.
+  virtual std::optional<ReadyCorrection> TakeCorrection() = 0;
+  // Waits until TakeCorrection has something (true), or until the server has told of everything it changed and works on
+  // nothing that may change more, or the time is over, or somebody hurries (false).
+  virtual bool AwaitCorrection(std::chrono::milliseconds patience) = 0;
+  // Asks the server where this frame was taken. What it finds comes as a correction, with the place around it.
+  virtual void AskWhere(std::shared_ptr<const KeyframeData> frame) = 0;
+  // Tells whoever looks how the agent does. Never waits.
+  virtual void Tell(const AgentState& state) = 0;
 
   // No flush waits any longer, neither the present one nor a later one.
   virtual void Hurry() = 0;

@@ -34,15 +34,18 @@ std::vector<Eigen::Vector3d> StereoPoints(const KeyframeData& data, double max_d
   return points;
 }
 
-// The keyframe that observes most of the tracked landmarks; `current` unless another is clearly ahead.
-KeyframeId BestReference(const Atlas& atlas, const LocatedFrame& located, const LocalMap& local_map,
-                         KeyframeId current) {
+// The session's keyframe that observes most of the tracked landmarks; `current` unless another is clearly ahead. Frames
+// hang below keyframes of their own session, so another session's is one only while there is none.
+KeyframeId BestReference(const Atlas& atlas, const LocatedFrame& located, const LocalMap& local_map, KeyframeId current,
+                         SessionId session) {
   constexpr double kClearlyAhead = 1.1;
   std::map<KeyframeId, int> shared;
   for (const LandmarkMatch& match : located.matches) {
     const Landmark* landmark = atlas.FindLandmark(local_map.landmarks[static_cast<std::size_t>(match.landmark)].id);
     if (landmark == nullptr) continue;
-    for (const Observation& observation : landmark->observations) ++shared[observation.keyframe];
+    for (const Observation& observation : landmark->observations) {
+      if (observation.keyframe.session == session) ++shared[observation.keyframe];
+    }
   }
   KeyframeId best = current;
   double best_count = kClearlyAhead * (shared.contains(current) ? shared[current] : 0);
@@ -100,12 +103,25 @@ void Tracker::AdoptSnapshot(const std::shared_ptr<const Atlas>& atlas) {
   if (atlas_ == atlas) return;
   atlas_ = atlas;
   recognition_.Follow(*atlas_);
+  if (map_.valid() && !awaits_first_keyframe(*atlas_)) map_ = atlas_->Resolve(map_);  // maps may have been joined
+  AdoptScale();
   if (!map_.valid() || awaits_first_keyframe(*atlas_)) return;
   for (RecentKeyframe& keyframe : recent_keyframes_) {
     HarvestTemplates(*atlas_, keyframe.id, keyframe.image, options_.new_view_angle, templates_);
   }
   const KeyframeId living = atlas_->Resolve(reference_);
   RebuildLocalMap(living.valid() ? living : first_keyframe_);
+}
+
+// A correction may have scaled the map: the lengths remembered are brought along.
+void Tracker::AdoptScale() {
+  const Keyframe* reference = previous_ ? atlas_->FindKeyframe(atlas_->Resolve(previous_->reference)) : nullptr;
+  if (reference == nullptr || reference->scale == previous_->scale) return;
+  const double factor = reference->scale / previous_->scale;
+  previous_->scale = reference->scale;
+  previous_->reference_from_frame = ScaleLengths(previous_->reference_from_frame, factor);
+  previous_->velocity.head<3>() *= factor;
+  for (Eigen::Vector3d& point : previous_->points_in_camera) point *= factor;
 }
 
 void Tracker::RebuildLocalMap(KeyframeId reference) {
@@ -124,7 +140,7 @@ void Tracker::TrackKnownMap(std::int64_t stamp_ns, const cv::Mat& left, const Ri
                             StageRecorder& stages) {
   std::optional<LocatedFrame> located = LocateByMotion(stamp_ns, stages);
   if (!located) {
-    located = LocateAnywhere(left, stages);
+    located = LocateAnywhere(stamp_ns, left, stages);
   } else if (located->pose.inliers < options_.weak_inliers) {
     located = LocateAgain(left, std::move(*located), stages);
   }
@@ -136,6 +152,7 @@ void Tracker::TrackKnownMap(std::int64_t stamp_ns, const cv::Mat& left, const Ri
 void Tracker::Lose(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
                    StageRecorder& stages) {
   result.state = TrackingState::kLost;
+  result.unrecognised = std::exchange(unrecognised_, nullptr);
   ++frames_lost_;
   if (frames_searched_ >= options_.frames_until_new_map) StartMap(stamp_ns, left, right, result, stages);
 }
@@ -168,15 +185,16 @@ std::optional<LocatedFrame> Tracker::LocateByMotion(std::int64_t stamp_ns, Stage
 }
 
 // In all maps.
-std::optional<LocatedFrame> Tracker::LocateAnywhere(const cv::Mat& left, StageRecorder& stages) {
+std::optional<LocatedFrame> Tracker::LocateAnywhere(std::int64_t stamp_ns, const cv::Mat& left, StageRecorder& stages) {
   StageScope scope(stages, "tracking.relocalization");
-  const Features features = builder_.Extract(left);
+  Features features = builder_.Extract(left);
   if (std::cmp_less(features.keypoints.size(), options_.min_start_points)) return std::nullopt;
   ++frames_searched_;
   auto recognised =
       Recognise(features, recognition_.Candidates(features, local_map_.keyframes), options_.min_recovery_inliers);
-  if (!recognised) return std::nullopt;
-  return Enter(std::move(*recognised));
+  if (recognised) return Enter(std::move(*recognised));
+  unrecognised_ = std::make_shared<const KeyframeData>(KeyframeData{stamp_ns, camera_, std::move(features)});
+  return std::nullopt;
 }
 
 // A thin result may be a wrong one: what is recognised nearby without any prediction decides if it explains more.
@@ -213,21 +231,28 @@ LocatedFrame Tracker::Enter(RecognisedFrame recognised) {
 
 void Tracker::FinishTracked(std::int64_t stamp_ns, const LocatedFrame& located, TrackingResult& result) {
   const Rigid3d& camera_from_map = located.pose.camera_from_map;
-  const KeyframeId reference = BestReference(*atlas_, located, local_map_, reference_);
+  const KeyframeId reference = BestReference(*atlas_, located, local_map_, reference_, session_);
   const Rigid3d& reference_from_map = atlas_->FindKeyframe(reference)->camera_from_map;
   Previous previous;
   previous.reference = reference;
   previous.reference_from_frame = reference_from_map * camera_from_map.Inverse();
+  previous.scale = atlas_->FindKeyframe(reference)->scale;
   previous.stamp_ns = stamp_ns;
   previous.velocity = VelocityInto(stamp_ns, camera_from_map);
   for (const LandmarkMatch& match : located.matches) {
     previous.points_in_camera.push_back(camera_from_map *
                                         local_map_.landmarks[static_cast<std::size_t>(match.landmark)].point_in_map);
   }
+  if (previous_ && stamp_ns > previous_->stamp_ns) {
+    const auto previous_pose = PreviousPose();
+    const bool known = previous_pose && IsInMap(*atlas_, previous_->reference, map_);
+    result.current_from_previous = known ? std::optional(camera_from_map * previous_pose->Inverse()) : std::nullopt;
+  }
   result.state = TrackingState::kTracking;
   result.tracked = true;
   result.map = map_;
   result.reference = reference;
+  result.reference_scale = {previous.scale};
   result.pose = FramePose{stamp_ns, previous.reference_from_frame};
   result.camera_from_map = camera_from_map;
   result.inliers = located.pose.inliers;
@@ -260,11 +285,14 @@ void Tracker::ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const
     candidate.data = std::move(built.data);
     candidate.reference = result.reference;
     candidate.camera_from_reference = result.pose.reference_from_frame.Inverse();
+    candidate.reference_scale = result.reference_scale;
     candidate.landmarks = std::move(built.landmarks);
-    RememberKeyframe(candidate.id, current_image_, candidate.reference, candidate.camera_from_reference);
+    RememberKeyframe(candidate.id, current_image_, candidate.reference, candidate.camera_from_reference,
+                     candidate.reference_scale);
     // The keyframe is this frame: bundle adjustment moves both.
     result.reference = candidate.id;
     result.pose.reference_from_frame = Rigid3d();
+    result.reference_scale = {};
     result.keyframe = std::move(candidate);
     decision_.Restart();
     lacks_templates_ = false;
@@ -305,8 +333,11 @@ double Tracker::NearestView(const Rigid3d& camera_from_map, double median_depth)
   for (const RecentKeyframe& recent : recent_keyframes_) {
     const auto reference_from_map = PoseOf(*atlas_, recent.reference);
     if (!reference_from_map || atlas_->Knows(recent.id)) continue;
-    nearest = std::min(nearest, ViewDistance(camera_from_map, recent.camera_from_reference * *reference_from_map,
-                                             median_depth, options_.keyframes));
+    const Keyframe& reference = *atlas_->FindKeyframe(atlas_->Resolve(recent.reference));
+    const Rigid3d recent_from_map =
+        ScaleLengths(recent.camera_from_reference, LengthFactor(reference, recent.reference_scale)) *
+        *reference_from_map;
+    nearest = std::min(nearest, ViewDistance(camera_from_map, recent_from_map, median_depth, options_.keyframes));
   }
   return nearest;
 }
@@ -319,8 +350,8 @@ bool Tracker::StartMap(std::int64_t stamp_ns, const cv::Mat& left, const RightIm
       StereoPoints(*built.data, options_.start_depth_baselines * camera_.baseline);
   if (std::cmp_less(points.size(), options_.min_start_points)) return false;
   BeginMap();
-  RememberKeyframe(first_keyframe_, current_image_, KeyframeId{}, Rigid3d());
-  previous_ = Previous{first_keyframe_, Rigid3d(), stamp_ns, Vector6d::Zero(), points};
+  RememberKeyframe(first_keyframe_, current_image_, KeyframeId{}, Rigid3d(), {});
+  previous_ = Previous{first_keyframe_, Rigid3d(), 1.0, stamp_ns, Vector6d::Zero(), points};
   result.state = TrackingState::kTracking;
   result.tracked = true;
   result.map = map_;
@@ -347,8 +378,8 @@ void Tracker::BeginMap() {
 }
 
 void Tracker::RememberKeyframe(KeyframeId id, const ImagePyramid& image, KeyframeId reference,
-                               const Rigid3d& camera_from_reference) {
-  recent_keyframes_.push_back(RecentKeyframe{id, CopyPyramid(image), reference, camera_from_reference});
+                               const Rigid3d& camera_from_reference, ReferenceScale scale) {
+  recent_keyframes_.push_back(RecentKeyframe{id, CopyPyramid(image), reference, camera_from_reference, scale});
   if (recent_keyframes_.size() > options_.template_images) recent_keyframes_.pop_front();
 }
 

@@ -36,14 +36,20 @@ struct TrackingResult {
   bool tracked = false;
   MapId map;
   KeyframeId reference;
-  FramePose pose;           // relative to `reference`
-  Rigid3d camera_from_map;  // as known now; later corrections move the reference
+  FramePose pose;                  // relative to `reference`
+  ReferenceScale reference_scale;  // of `reference`, when `pose` was measured
+  Rigid3d camera_from_map;         // as known now; later corrections move the reference
+  // The camera's motion since the frame tracked before, both measured in the present snapshot; none where that frame is
+  // of another map.
+  std::optional<Rigid3d> current_from_previous;
   int inliers = 0;
   std::optional<KeyframeCandidate> keyframe;  // for local mapping; one without a reference begins a map
   // A monocular map begins with two keyframes at once; `pose` is relative to the second one.
   std::shared_ptr<const MapOpening> opening;
   // Frames before this one that a monocular map's beginning gave a pose; ascending by stamp.
   std::vector<TrackedFrame> earlier_frames;
+  // What the frame shows, where it was found in none of the agent's maps: somebody else may know the place.
+  std::shared_ptr<const KeyframeData> unrecognised;
 };
 
 // Follows the camera from frame to frame in the agent's map. Between keyframes landmarks are tracked by aligning
@@ -68,6 +74,7 @@ class Tracker {
   struct Previous {
     KeyframeId reference;
     Rigid3d reference_from_frame;
+    double scale = 1.0;  // of the reference, at which the lengths here are measured
     std::int64_t stamp_ns = 0;
     Vector6d velocity = Vector6d::Zero();           // of the camera into this frame: a twist, per second
     std::vector<Eigen::Vector3d> points_in_camera;  // of the tracked landmarks
@@ -78,16 +85,18 @@ class Tracker {
     ImagePyramid image;
     KeyframeId reference;
     Rigid3d camera_from_reference;
+    ReferenceScale reference_scale;
   };
 
   void AdoptSnapshot(const std::shared_ptr<const Atlas>& atlas);
+  void AdoptScale();
   void RebuildLocalMap(KeyframeId reference);
   std::optional<Rigid3d> PreviousPose() const;
   void TrackKnownMap(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
                      StageRecorder& stages);
   bool IsTrusted(const LocatedFrame& located, const LocalMap& local_map, int min_inliers) const;
   std::optional<LocatedFrame> LocateByMotion(std::int64_t stamp_ns, StageRecorder& stages);
-  std::optional<LocatedFrame> LocateAnywhere(const cv::Mat& left, StageRecorder& stages);
+  std::optional<LocatedFrame> LocateAnywhere(std::int64_t stamp_ns, const cv::Mat& left, StageRecorder& stages);
   LocatedFrame LocateAgain(const cv::Mat& left, LocatedFrame thin, StageRecorder& stages);
   std::optional<RecognisedFrame> Recognise(const Features& features, std::span<const KeyframeId> candidates,
                                            int min_inliers) const;
@@ -107,7 +116,7 @@ class Tracker {
   void Adopt(const MonocularOpening& opening, std::shared_ptr<const KeyframeData> second, TrackingResult& result);
   void BeginMap();
   void RememberKeyframe(KeyframeId id, const ImagePyramid& image, KeyframeId reference,
-                        const Rigid3d& camera_from_reference);
+                        const Rigid3d& camera_from_reference, ReferenceScale scale);
   bool MappingIsBusy() const;
 
   const SessionId session_;
@@ -128,6 +137,7 @@ class Tracker {
   ImagePyramid current_image_;
   ImagePyramid previous_image_;
   std::deque<RecentKeyframe> recent_keyframes_;
+  std::shared_ptr<const KeyframeData> unrecognised_;  // of the present frame
   int frames_lost_ = 0;
   int frames_searched_ = 0;       // of the lost ones, those that showed something
   bool lacks_templates_ = false;  // of what is in view: a keyframe here would give them

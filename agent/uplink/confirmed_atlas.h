@@ -1,24 +1,55 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
 #include "common/map/atlas.h"
+#include "common/map/edits/edits.h"
+#include "common/wire/agent_correction.h"
 #include "common/wire/envelope.h"
 
 namespace pangaea {
 
 // What the server truly has of this session: the envelopes it acknowledged and did not reject, in order, by its own
-// rule: an envelope counts whole or not at all.
+// rule: an envelope counts whole or not at all; and the corrections that this agent absorbed, each at the place between
+// two envelopes where the server made it.
 class ConfirmedAtlas {
  public:
-  // False where it does not fit: then the server cannot have taken it either, and nothing is changed. Keyframes that
-  // `mirror` has too share their payload with it.
+  // How many envelopes back a correction may have been made. Seconds pass between a correction's making and its
+  // absorption; that is some tens of envelopes.
+  static constexpr std::size_t kMostRecent = 1000;
+
+  // The next acknowledged envelope. False where it does not fit: without corrections the server cannot have taken it
+  // either, and nothing is changed; with them, what fits is taken. Keyframes that `mirror` has too share their payload
+  // with it.
   bool Take(const Envelope& envelope, const Atlas& mirror);
-  // The server has exactly this.
-  void Set(const Atlas& atlas) { atlas_ = atlas; }
+
+  // As it was after the envelope of this sequence (or the last before it that was taken); nothing where that is too
+  // long ago.
+  std::optional<Atlas> At(std::uint64_t sequence);
+  // What the server changed when it had the envelopes up to `correction.acknowledged`; those taken since follow on top.
+  // False, and nothing changed, where that is too long ago.
+  bool Absorb(const AgentCorrection& correction);
 
   const Atlas& atlas() const { return atlas_; }
 
  private:
+  struct Taken {
+    std::uint64_t sequence;
+    std::vector<MapEdit> edits;
+  };
+
+  void AdvanceBase();
+
   Atlas atlas_;
+  bool corrected_ = false;
+  // How it came to be: `base_` holds everything up to `base_sequence_`, `recent_` what was taken since.
+  Atlas base_;
+  std::uint64_t base_sequence_ = 0;
+  std::deque<Taken> recent_;
 };
 
 }  // namespace pangaea

@@ -1,8 +1,11 @@
 #include "agent/uplink/digest_grid.h"
 
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <utility>
 
+#include "agent/absorption/absorption.h"
 #include "common/map/map_edit.h"
 #include "common/map/spanning_tree.h"
 
@@ -33,6 +36,33 @@ void ApplyToBoth(const MapEdit& for_agent, const MapEdit& for_mirror, Atlas& age
   if (Apply(for_mirror, mirror)) edits.push_back(for_mirror);
 }
 
+// The agent's own keyframes and landmarks that the server has placed go where the mirror has them.
+void FollowServer(SessionId session, const Atlas& mirror, Atlas& own, std::vector<MapEdit>& own_edits) {
+  const auto apply = [&](auto edit) {
+    if (Apply(edit, own)) own_edits.emplace_back(std::move(edit));
+  };
+  std::map<std::uint64_t, std::vector<std::pair<KeyframeId, Rigid3d>>> poses;  // by correction
+  own.ForEachKeyframe(session, [&](const Keyframe& keyframe) {
+    const Keyframe* present = mirror.FindKeyframe(keyframe.id);
+    if (present == nullptr || present->corrected_at == 0) return;
+    if (OnSameGrid(present->camera_from_map, keyframe.camera_from_map)) return;
+    poses[present->corrected_at].emplace_back(keyframe.id, present->camera_from_map);
+  });
+  for (const auto& [correction, moved] : poses) {
+    MoveKeyframes edit = MoveKeyframesTo(own, moved);
+    edit.correction = correction;
+    apply(std::move(edit));
+  }
+  MoveLandmarks points;
+  own.ForEachLandmark(session, [&](const Landmark& landmark) {
+    const Landmark* present = mirror.FindLandmark(landmark.id);
+    if (present == nullptr || !IsReadOnly(mirror, *present, session)) return;
+    if (OnSameGrid(present->point_in_map, landmark.point_in_map)) return;
+    if (auto moved = MeasureLandmark(own, landmark, present->point_in_map)) points.landmarks.push_back(*moved);
+  });
+  if (!points.landmarks.empty()) apply(std::move(points));
+}
+
 }  // namespace
 
 bool OnSameGrid(const Eigen::Vector3d& point_in_map, const Eigen::Vector3d& other_point_in_map) {
@@ -49,14 +79,16 @@ bool OnSameGrid(const Rigid3d& camera_from_map, const Rigid3d& other_camera_from
          SameCells(a_rotation.col(1), b_rotation.col(1), kRotationQuantum);
 }
 
-std::vector<MapEdit> AgreeOnDigest(const Atlas& agent, Atlas& mirror, std::vector<MapEdit>& edits) {
+std::vector<MapEdit> AgreeOnDigest(SessionId session, const Atlas& agent, Atlas& mirror, std::vector<MapEdit>& edits) {
   std::vector<MapEdit> own_edits;
   Atlas own = agent;
-  agent.ForEachKeyframe([&](const Keyframe& keyframe) {
+  FollowServer(session, mirror, own, own_edits);
+  agent.ForEachKeyframe(session, [&](const Keyframe& keyframe) {
     const KeyframeId id = keyframe.id;
     const auto agree = [&] {
       const Keyframe* present = mirror.FindKeyframe(id);
-      return present == nullptr || OnSameGrid(present->camera_from_map, own.FindKeyframe(id)->camera_from_map);
+      return present == nullptr || IsReadOnly(*present, session) ||
+             OnSameGrid(present->camera_from_map, own.FindKeyframe(id)->camera_from_map);
     };
     for (int attempt = 1; attempt <= kMostNudges && !agree(); ++attempt) {
       Vector6d twist;
@@ -65,11 +97,12 @@ std::vector<MapEdit> AgreeOnDigest(const Atlas& agent, Atlas& mirror, std::vecto
       ApplyToBoth(MoveKeyframesTo(own, pose), MoveKeyframesTo(mirror, pose), own, mirror, own_edits, edits);
     }
   });
-  agent.ForEachLandmark([&](const Landmark& landmark) {
+  agent.ForEachLandmark(session, [&](const Landmark& landmark) {
     const LandmarkId id = landmark.id;
     const auto agree = [&] {
       const Landmark* present = mirror.FindLandmark(id);
-      return present != nullptr && OnSameGrid(present->point_in_map, own.FindLandmark(id)->point_in_map);
+      return present != nullptr && (IsReadOnly(mirror, *present, session) ||
+                                    OnSameGrid(present->point_in_map, own.FindLandmark(id)->point_in_map));
     };
     for (int attempt = 1; attempt <= kMostNudges && !agree(); ++attempt) {
       const std::vector<std::pair<LandmarkId, Eigen::Vector3d>> point = {

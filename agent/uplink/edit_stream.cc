@@ -55,11 +55,7 @@ std::vector<Rejection> EditStream::OnAck(const EditAck& ack, Time now) {
 void EditStream::Confirm(const EditAck& ack) {
   std::set<std::uint64_t> rejected;
   for (const Rejection& rejection : ack.rejections) rejected.insert(rejection.sequence);
-  const std::uint64_t first = retained_.acknowledged() + 1;
-  // Mostly the server has taken everything: then it has what the mirror has.
-  const bool all_taken = rejected.lower_bound(first) == rejected.end();
-  if (in_step_ && all_taken && ack.up_to == retained_.last_sequence()) return confirmed_.Set(planner_.mirror());
-  for (std::uint64_t sequence = first; sequence <= ack.up_to; ++sequence) {
+  for (std::uint64_t sequence = retained_.acknowledged() + 1; sequence <= ack.up_to; ++sequence) {
     const auto envelope = retained_.Find(sequence);
     const bool taken = !rejected.contains(sequence) && envelope && confirmed_.Take(*envelope, planner_.mirror());
     in_step_ = in_step_ && taken;
@@ -85,14 +81,31 @@ Status EditStream::PlanRest() {
 
 Status EditStream::Repair() {
   if (!repair_due() || !CountRepair()) return {};
+  planner_.AdoptMirror(Expected());
+  in_step_ = true;
+  const auto attempt = std::min<std::size_t>(static_cast<std::size_t>(fruitless_), kDivisors.size() - 1);
+  return PlanAll({}, options_.envelope_bytes / kDivisors[attempt]);
+}
+
+Atlas EditStream::Expected() {
   ConfirmedAtlas expected = confirmed_;
   for (std::uint64_t sequence = retained_.acknowledged() + 1; sequence <= retained_.last_sequence(); ++sequence) {
     if (const auto envelope = retained_.Find(sequence)) expected.Take(*envelope, planner_.mirror());
   }
-  planner_.AdoptMirror(expected.atlas());
-  in_step_ = true;
-  const auto attempt = std::min<std::size_t>(static_cast<std::size_t>(fruitless_), kDivisors.size() - 1);
-  return PlanAll({}, options_.envelope_bytes / kDivisors[attempt]);
+  return expected.atlas();
+}
+
+std::optional<Atlas> EditStream::BaseOf(const AgentCorrection& correction) {
+  if (IsTooOld(correction) || correction.acknowledged > retained_.acknowledged()) return std::nullopt;
+  return confirmed_.At(correction.acknowledged);
+}
+
+void EditStream::Absorb(const AgentCorrection& correction) {
+  if (!confirmed_.Absorb(correction)) return;
+  version_ = correction.version;
+  absorbed_at_ = correction.acknowledged;
+  // While a repair is due, the mirror is replaced anyway.
+  if (!repair_due()) planner_.AdoptMirror(Expected());
 }
 
 // False, and given up, when it was tried often enough.
@@ -121,7 +134,7 @@ Status EditStream::PlanAll(std::span<const MapEdit> applied_since, std::size_t e
 Status EditStream::Retain(std::span<const MapEdit> edits, std::size_t envelope_bytes) {
   Status result;
   for (const auto run : PackEdits(edits, envelope_bytes)) {
-    const Status status = retained_.Retain(MakeEnvelope(session_, retained_.next_sequence(), 0, run));
+    const Status status = retained_.Retain(MakeEnvelope(session_, retained_.next_sequence(), version_, run));
     if (!status) result = status;
   }
   return result;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -36,13 +37,27 @@ class EditStream {
 
   // `spill` may be null: then memory is not bounded. It outlives this object.
   EditStream(SessionId session, const EditStreamOptions& options, SpillSink* spill)
-      : session_(session), options_(options), planner_(options.planner), retained_(options.retained, spill) {}
+      : session_(session), options_(options), planner_(options.planner, session), retained_(options.retained, spill) {}
 
   // `snapshot` is the agent's atlas after `applied_since`, the edits applied to it since the previous call's snapshot.
   // Everything is taken in any case; an error says that the spill sink refused envelopes, which stay in memory.
   Status Take(std::shared_ptr<const Atlas> snapshot, std::span<const MapEdit> applied_since, PlanKind kind);
   // Returns the rejections that are new.
   std::vector<Rejection> OnAck(const EditAck& ack, Time now);
+  // What the server had of this session, as far as is known here, when it made the correction: what PlanAbsorption
+  // needs to know. Nothing while the acks are not that far yet, and where it was too long ago (IsTooOld).
+  std::optional<Atlas> BaseOf(const AgentCorrection& correction);
+  bool IsTooOld(const AgentCorrection& correction) const {
+    return correction.version <= version_ || correction.acknowledged < absorbed_at_;
+  }
+  // The agent's atlas has absorbed the correction: so does what is known of the server's. BaseOf gave something before.
+  // Follow it with Take of the atlas that absorbed it.
+  void Absorb(const AgentCorrection& correction);
+  // What the server has once it took everything sent, as far as is known here.
+  const Atlas& mirror() const { return planner_.mirror(); }
+  // Of the newest correction absorbed; 0 before any.
+  std::uint64_t version() const { return version_; }
+
   // What has to wait until everything sent is answered: the repair that rejections made necessary, then the closing of
   // maps. Does nothing before. Call after OnAck and Take. Errors as Take.
   Status Continue();
@@ -65,6 +80,8 @@ class EditStream {
   bool repair_due() const { return !in_step_ && !gave_up_; }
   void Confirm(const EditAck& ack);
   Status Repair();
+  // What the server has once it took everything sent.
+  Atlas Expected();
   bool CountRepair();
   Status PlanAll(std::span<const MapEdit> applied_since, std::size_t envelope_bytes);
   Status Retain(std::span<const MapEdit> edits, std::size_t envelope_bytes);
@@ -80,6 +97,8 @@ class EditStream {
   // Whether the planner's mirror is what the server has once it took everything sent.
   bool in_step_ = true;
   bool gave_up_ = false;
+  std::uint64_t version_ = 0;
+  std::uint64_t absorbed_at_ = 0;  // how many envelopes the server had when it made that correction
   std::uint64_t repairs_ = 0;
   int fruitless_ = 0;  // repairs in a row of which the server took nothing
   std::uint64_t confirmed_before_repair_ = 0;

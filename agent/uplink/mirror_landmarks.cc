@@ -40,9 +40,11 @@ void MirrorUpdate::MatchLandmarks(std::set<LandmarkId>& landmarks) {
 
 // Removes the landmark, or fuses it into what absorbed it. False while that is not sent.
 bool MirrorUpdate::MatchVanished(LandmarkId id, std::set<LandmarkId>& landmarks) {
-  if (mirror_.FindLandmark(id) == nullptr) return true;
+  if (!IsOwn(id) || mirror_.FindLandmark(id) == nullptr) return true;
   const LandmarkId kept = agent_.Resolve(id);
-  if (!kept.valid()) {
+  // Another session's landmark that the server is not known to have: it will not get it from here.
+  const bool lost = kept.valid() && !IsOwn(kept) && mirror_.FindLandmark(kept) == nullptr;
+  if (!kept.valid() || lost) {
     Emit(RemoveLandmark{id});
     return true;
   }
@@ -53,13 +55,15 @@ bool MirrorUpdate::MatchVanished(LandmarkId id, std::set<LandmarkId>& landmarks)
   }
   landmarks.insert(kept);
   // Freeing the keypoint for the absorber may have taken the last observation already.
-  if (mirror_.FindLandmark(id) != nullptr && mirror_.FindLandmark(kept) != nullptr) Emit(FuseLandmarks{kept, id});
+  if (mirror_.FindLandmark(id) == nullptr) return true;
+  Emit(mirror_.FindLandmark(kept) != nullptr ? MapEdit(FuseLandmarks{kept, id}) : MapEdit(RemoveLandmark{id}));
   return true;
 }
 
 // False while the reference keyframe is not sent.
 bool MirrorUpdate::MatchLandmark(LandmarkId id, std::set<LandmarkId>& landmarks) {
   const Landmark& wanted = *agent_.FindLandmark(id);
+  if (!IsOwn(id)) return MatchGuest(wanted, landmarks);
   const bool has_reference = mirror_.FindKeyframe(wanted.reference) != nullptr;
   if (mirror_.FindLandmark(id) != nullptr) RemoveWrongObservations(wanted);
   if (mirror_.FindLandmark(id) == nullptr) {
@@ -68,6 +72,8 @@ bool MirrorUpdate::MatchLandmark(LandmarkId id, std::set<LandmarkId>& landmarks)
   }
   AddMissingObservations(wanted, landmarks);
   if (!has_reference) return false;
+  // With guests among the observers it is not for this agent to say which of them is the reference.
+  if (HasGuests(*mirror_.FindLandmark(id))) return true;
   if (ObservationAt(*mirror_.FindLandmark(id), wanted.reference) == nullptr) return true;
   // Taking the reference's observation away passes the reference on to another: until it is the wanted one.
   while (mirror_.FindLandmark(id)->reference != wanted.reference) {
@@ -77,14 +83,29 @@ bool MirrorUpdate::MatchLandmark(LandmarkId id, std::set<LandmarkId>& landmarks)
   return true;
 }
 
+// Of another session's landmark: only what the session's keyframes see of it.
+bool MirrorUpdate::MatchGuest(const Landmark& wanted, std::set<LandmarkId>& landmarks) {
+  if (mirror_.FindLandmark(wanted.id) == nullptr) return true;
+  RemoveWrongObservations(wanted);
+  if (mirror_.FindLandmark(wanted.id) != nullptr) AddMissingObservations(wanted, landmarks);
+  return true;
+}
+
+bool MirrorUpdate::HasGuests(const Landmark& landmark) const {
+  return std::any_of(landmark.observations.begin(), landmark.observations.end(),
+                     [this](const Observation& observation) { return !IsOwn(observation.keyframe); });
+}
+
 void MirrorUpdate::RemoveWrongObservations(const Landmark& wanted) {
   const std::vector<Observation> present = mirror_.FindLandmark(wanted.id)->observations;
   for (const Observation& observation : present) {
-    if (!Holds(wanted, observation)) Emit(RemoveObservation{wanted.id, observation.keyframe});
+    if (IsOwn(observation.keyframe) && !Holds(wanted, observation))
+      Emit(RemoveObservation{wanted.id, observation.keyframe});
   }
 }
 
 bool MirrorUpdate::AddLandmarkItself(const Landmark& wanted, std::set<LandmarkId>& landmarks) {
+  if (!IsOwn(wanted.reference)) return false;
   const std::uint32_t keypoint = ObservationAt(wanted, wanted.reference)->keypoint;
   FreeKeypoint(wanted.reference, keypoint, wanted.id, landmarks);
   const Keyframe& reference = *mirror_.FindKeyframe(wanted.reference);
@@ -94,7 +115,7 @@ bool MirrorUpdate::AddLandmarkItself(const Landmark& wanted, std::set<LandmarkId
 
 void MirrorUpdate::AddMissingObservations(const Landmark& wanted, std::set<LandmarkId>& landmarks) {
   for (const Observation& observation : wanted.observations) {
-    if (mirror_.FindKeyframe(observation.keyframe) == nullptr) continue;
+    if (!IsOwn(observation.keyframe) || mirror_.FindKeyframe(observation.keyframe) == nullptr) continue;
     if (ObservationAt(*mirror_.FindLandmark(wanted.id), observation.keyframe) != nullptr) continue;
     FreeKeypoint(observation.keyframe, observation.keypoint, wanted.id, landmarks);
     Emit(AddObservation{wanted.id, observation.keyframe, observation.keypoint});

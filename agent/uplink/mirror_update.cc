@@ -4,6 +4,7 @@
 #include <span>
 #include <utility>
 
+#include "agent/absorption/absorption.h"
 #include "agent/uplink/digest_grid.h"
 #include "agent/uplink/pose_distance.h"
 #include "common/map/map_edit.h"
@@ -33,29 +34,31 @@ bool MirrorUpdate::Emit(MapEdit edit) {
 std::vector<KeyframeId> MirrorUpdate::AddKeyframes(const std::vector<KeyframeId>& keyframes) {
   std::vector<KeyframeId> missing;
   for (KeyframeId id : keyframes) {
-    for (const Keyframe* keyframe = agent_.FindKeyframe(id); keyframe != nullptr && !mirror_.FindKeyframe(id);
-         keyframe = agent_.FindKeyframe(id)) {
+    for (const Keyframe* keyframe = agent_.FindKeyframe(id);
+         keyframe != nullptr && IsOwn(id) && !mirror_.FindKeyframe(id); keyframe = agent_.FindKeyframe(id)) {
       missing.push_back(id);
       id = keyframe->parent;
     }
   }
   missing = ParentsFirst(agent_, missing);
+  std::vector<KeyframeId> added;
   for (const KeyframeId id : missing) {
     const Keyframe& keyframe = *agent_.FindKeyframe(id);
     const Keyframe* parent = mirror_.FindKeyframe(keyframe.parent);
     const Rigid3d camera_from_parent =
         parent == nullptr ? keyframe.camera_from_map : keyframe.camera_from_map * parent->camera_from_map.Inverse();
     const ReferenceScale scale{parent == nullptr ? 1.0 : parent->scale};
-    Emit(AddKeyframe{id, keyframe.map, keyframe.parent, camera_from_parent, keyframe.data, scale});
+    const bool taken = Emit(AddKeyframe{id, keyframe.map, keyframe.parent, camera_from_parent, keyframe.data, scale});
+    if (taken) added.push_back(id);
   }
-  return missing;
+  return added;
 }
 
 std::vector<LandmarkId> MirrorUpdate::RemoveKeyframes(const std::set<KeyframeId>& culled) {
   std::vector<LandmarkId> observed;
   std::vector<KeyframeId> present;
   for (const KeyframeId id : culled) {
-    if (mirror_.FindKeyframe(id) != nullptr && agent_.FindKeyframe(id) == nullptr) present.push_back(id);
+    if (IsOwn(id) && mirror_.FindKeyframe(id) != nullptr && agent_.FindKeyframe(id) == nullptr) present.push_back(id);
   }
   present = ParentsFirst(mirror_, present);
   std::reverse(present.begin(), present.end());  // a root goes last
@@ -73,7 +76,7 @@ void MirrorUpdate::MoveKeyframes(const std::set<KeyframeId>& keyframes, const Mo
   for (const KeyframeId id : keyframes) {
     const Keyframe* wanted = agent_.FindKeyframe(id);
     const Keyframe* present = mirror_.FindKeyframe(id);
-    if (wanted == nullptr || present == nullptr) continue;
+    if (wanted == nullptr || present == nullptr || IsReadOnly(*present, session_)) continue;
     const PoseDistance distance = DistanceOf(wanted->camera_from_map, present->camera_from_map);
     const bool far = distance.center_m > thresholds.keyframe_m || distance.angle_rad > thresholds.keyframe_rad;
     const bool told_apart = thresholds.digest_grid && !OnSameGrid(wanted->camera_from_map, present->camera_from_map);
@@ -87,7 +90,7 @@ void MirrorUpdate::MoveLandmarks(const std::set<LandmarkId>& landmarks, const Mo
   for (const LandmarkId id : landmarks) {
     const Landmark* wanted = agent_.FindLandmark(id);
     const Landmark* present = mirror_.FindLandmark(id);
-    if (wanted == nullptr || present == nullptr) continue;
+    if (wanted == nullptr || present == nullptr || IsReadOnly(mirror_, *present, session_)) continue;
     const Keyframe& reference = *mirror_.FindKeyframe(present->reference);
     const double range_m = (reference.camera_from_map * present->point_in_map).norm();
     const double threshold_m = std::max(thresholds.landmark_m, thresholds.landmark_fraction * range_m);
@@ -106,7 +109,7 @@ void MirrorUpdate::AddFrames(const std::set<KeyframeId>& keyframes, const MoveTh
   for (const KeyframeId id : keyframes) {
     const Keyframe* wanted = agent_.FindKeyframe(id);
     const Keyframe* present = mirror_.FindKeyframe(id);
-    if (wanted == nullptr || present == nullptr || wanted->frames == nullptr) continue;
+    if (!IsOwn(id) || wanted == nullptr || present == nullptr || wanted->frames == nullptr) continue;
     for (const FramePose& frame : *wanted->frames) {
       if (!HoldsFrame(*present, frame, thresholds.keyframe_m, thresholds.keyframe_rad))
         missing.push_back({id, frame, {present->scale}});
@@ -142,7 +145,7 @@ void MirrorUpdate::CloseMaps(const std::set<KeyframeId>& unsent) {
     if (const Keyframe* keyframe = agent_.FindKeyframe(id)) growing.insert(keyframe->map);
   }
   for (const MapId id : agent_.Maps()) {
-    if (growing.contains(id)) continue;
+    if (!IsOwn(id) || growing.contains(id)) continue;
     const MapInfo* present = mirror_.FindMap(id);
     if (present != nullptr && !present->closed && agent_.FindMap(id)->closed) Emit(CloseMap{id});
   }

@@ -20,11 +20,12 @@ struct MoveThresholds {
 
 // One round of making a mirror of the agent's atlas follow it: finds what differs, and emits the edits that mend it,
 // each valid where it stands. What it is not asked about stays as it is in the mirror. Keyframes not in the mirror do
-// not exist for it: landmarks travel with those of their observations whose keyframes do.
+// not exist for it: landmarks travel with those of their observations whose keyframes do. Only what is the session's is
+// touched: of other sessions' landmarks the observations by its keyframes.
 class MirrorUpdate {
  public:
-  MirrorUpdate(const Atlas& agent, Atlas& mirror, std::vector<MapEdit>& edits)
-      : agent_(agent), mirror_(mirror), edits_(edits) {}
+  MirrorUpdate(SessionId session, const Atlas& agent, Atlas& mirror, std::vector<MapEdit>& edits)
+      : session_(session), agent_(agent), mirror_(mirror), edits_(edits) {}
 
   // These and their ancestors, parents first. Returns those that were not there before.
   std::vector<KeyframeId> AddKeyframes(const std::vector<KeyframeId>& keyframes);
@@ -47,12 +48,20 @@ class MirrorUpdate {
 
  private:
   bool MatchLandmark(LandmarkId id, std::set<LandmarkId>& landmarks);
+  bool MatchGuest(const Landmark& wanted, std::set<LandmarkId>& landmarks);
   bool MatchVanished(LandmarkId id, std::set<LandmarkId>& landmarks);
   void RemoveWrongObservations(const Landmark& wanted);
   bool AddLandmarkItself(const Landmark& wanted, std::set<LandmarkId>& landmarks);
   void AddMissingObservations(const Landmark& wanted, std::set<LandmarkId>& landmarks);
   void FreeKeypoint(KeyframeId keyframe, std::uint32_t keypoint, LandmarkId wanted, std::set<LandmarkId>& landmarks);
 
+  template <typename Tag>
+  bool IsOwn(const Id<Tag>& id) const {
+    return id.session == session_;
+  }
+  bool HasGuests(const Landmark& landmark) const;
+
+  SessionId session_;
   const Atlas& agent_;
   Atlas& mirror_;
   std::vector<MapEdit>& edits_;

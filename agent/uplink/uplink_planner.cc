@@ -37,7 +37,7 @@ UplinkPlan UplinkPlanner::Plan(const Atlas& snapshot, std::span<const MapEdit> a
   if (kind == PlanKind::kFlush || std::exchange(everything_is_new_, false)) MarkEverything(snapshot);
 
   UplinkPlan plan;
-  MirrorUpdate update(snapshot, mirror_, plan.edits);
+  MirrorUpdate update(session_, snapshot, mirror_, plan.edits);
   const MoveThresholds thresholds = Thresholds(kind);
   update.MoveKeyframes(std::exchange(moved_keyframes_, {}), thresholds);
   const std::vector<KeyframeId> added = update.AddKeyframes(Settled(snapshot, kind));
@@ -50,13 +50,13 @@ UplinkPlan UplinkPlanner::Plan(const Atlas& snapshot, std::span<const MapEdit> a
   update.MoveLandmarks(std::exchange(moved_landmarks_, {}), thresholds);
   update.AddFrames(std::exchange(keyframes_with_frames_, {}), thresholds);
   update.AddLoopEdges();
-  if (kind == PlanKind::kFlush) plan.own_edits = AgreeOnDigest(snapshot, mirror_, plan.edits);
+  if (kind == PlanKind::kFlush) plan.own_edits = AgreeOnDigest(session_, snapshot, mirror_, plan.edits);
   return plan;
 }
 
 std::vector<MapEdit> UplinkPlanner::PlanClosing(const Atlas& snapshot) {
   std::vector<MapEdit> edits;
-  MirrorUpdate(snapshot, mirror_, edits).CloseMaps(unsent_);
+  MirrorUpdate(session_, snapshot, mirror_, edits).CloseMaps(unsent_);
   return edits;
 }
 
@@ -73,6 +73,7 @@ void UplinkPlanner::Mark(const Atlas& snapshot, const MapEdit& edit) {
   const auto mark_frames = [&](KeyframeId id) { keyframes_with_frames_.insert(snapshot.Resolve(id)); };
   std::visit(Overloaded{
                  [&](const AddKeyframe& e) {
+                   if (!IsOwn(e.id)) return;
                    unsent_.insert(e.id);
                    newest_stamp_ns_ = std::max(newest_stamp_ns_, e.data->stamp_ns);
                  },
@@ -107,6 +108,7 @@ void UplinkPlanner::Mark(const Atlas& snapshot, const MapEdit& edit) {
 
 void UplinkPlanner::MarkEverything(const Atlas& snapshot) {
   snapshot.ForEachKeyframe([&](const Keyframe& keyframe) {
+    if (!IsOwn(keyframe.id)) return;
     if (mirror_.FindKeyframe(keyframe.id) == nullptr) unsent_.insert(keyframe.id);
     moved_keyframes_.insert(keyframe.id);
     keyframes_with_frames_.insert(keyframe.id);

@@ -42,10 +42,12 @@ struct UplinkPlan {
 
 // Turns the agent's map into edits relative to what the server already has. It keeps a mirror, which is exactly the
 // server's atlas once the server has applied everything planned so far. Not thread-safe; owned by the uplink thread.
-// Agents do not merge maps themselves: an own MergeMaps is not planned.
+// Agents do not merge maps themselves: an own MergeMaps is not planned. Of guests (keyframes and landmarks of other
+// sessions) only what the session's keyframes observe is; what a correction has placed is not moved. What a correction
+// changes, the mirror has absorbed too (AdoptMirror) when the snapshot that absorbed it comes.
 class UplinkPlanner {
  public:
-  explicit UplinkPlanner(const UplinkPlannerOptions& options) : options_(options) {}
+  UplinkPlanner(const UplinkPlannerOptions& options, SessionId session) : options_(options), session_(session) {}
 
   // `snapshot` is the agent's atlas after `applied_since`, the edits applied to it since the previous call's snapshot.
   UplinkPlan Plan(const Atlas& snapshot, std::span<const MapEdit> applied_since, PlanKind kind);
@@ -57,7 +59,8 @@ class UplinkPlanner {
   void Note(const Atlas& snapshot, std::span<const MapEdit> applied_since);
 
   const Atlas& mirror() const { return mirror_; }
-  // The server turned out to have this instead: envelopes were rejected. The next plan sends what differs.
+  // The server turned out to have this instead: envelopes were rejected, or a correction came. The next plan sends what
+  // differs.
   void AdoptMirror(Atlas mirror);
 
  private:
@@ -67,7 +70,10 @@ class UplinkPlanner {
   std::vector<KeyframeId> Settled(const Atlas& snapshot, PlanKind kind) const;
   MoveThresholds Thresholds(PlanKind kind) const;
 
+  bool IsOwn(KeyframeId id) const { return id.session == session_; }
+
   UplinkPlannerOptions options_;
+  SessionId session_;
   Atlas mirror_;
   bool everything_is_new_ = false;
   std::int64_t newest_stamp_ns_ = 0;

@@ -16,6 +16,30 @@ class DigestWriter {
   void Add(const Keyframe& keyframe) {
     AddId(keyframe.id);
     AddId(keyframe.map);
+    AddPose(keyframe);
+  }
+
+  void Add(const Landmark& landmark) {
+    AddPoint(landmark);
+    bytes_.Word(static_cast<std::uint64_t>(landmark.observations.size()));
+    for (const Observation& observation : landmark.observations) {
+      AddId(observation.keyframe);
+      bytes_.Word(observation.keypoint);
+    }
+  }
+
+  // As far as both sides know it: the server may have merged the map into another, and others may observe the landmark.
+  void AddOfSession(const Keyframe& keyframe) {
+    AddId(keyframe.id);
+    AddPose(keyframe);
+    for (const LandmarkId landmark : keyframe.landmarks) AddId(landmark);
+  }
+  void AddOfSession(const Landmark& landmark) { AddPoint(landmark); }
+
+  std::uint64_t Finish() const { return Hash64(bytes_.bytes()); }
+
+ private:
+  void AddPose(const Keyframe& keyframe) {
     const Rigid3d map_from_camera = keyframe.camera_from_map.Inverse();
     AddQuantized(map_from_camera.translation(), kLengthQuantum);
     // Two columns determine the third. Unlike the quaternion they do not jump at half a turn.
@@ -24,19 +48,10 @@ class DigestWriter {
     AddQuantized(rotation.col(1), kRotationQuantum);
   }
 
-  void Add(const Landmark& landmark) {
+  void AddPoint(const Landmark& landmark) {
     AddId(landmark.id);
     AddQuantized(landmark.point_in_map, kLengthQuantum);
-    bytes_.Word(static_cast<std::uint64_t>(landmark.observations.size()));
-    for (const Observation& observation : landmark.observations) {
-      AddId(observation.keyframe);
-      bytes_.Word(observation.keypoint);
-    }
   }
-
-  std::uint64_t Finish() const { return Hash64(bytes_.bytes()); }
-
- private:
   template <typename Tag>
   void AddId(const Id<Tag>& id) {
     bytes_.Word(id.session);
@@ -66,8 +81,8 @@ std::uint64_t Digest(const Atlas& atlas, std::optional<MapId> map) {
 
 std::uint64_t DigestOfSession(const Atlas& atlas, SessionId session) {
   DigestWriter digest;
-  atlas.ForEachKeyframe(session, [&](const Keyframe& keyframe) { digest.Add(keyframe); });
-  atlas.ForEachLandmark(session, [&](const Landmark& landmark) { digest.Add(landmark); });
+  atlas.ForEachKeyframe(session, [&](const Keyframe& keyframe) { digest.AddOfSession(keyframe); });
+  atlas.ForEachLandmark(session, [&](const Landmark& landmark) { digest.AddOfSession(landmark); });
   return digest.Finish();
 }
 

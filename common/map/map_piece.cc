@@ -13,6 +13,12 @@ void SortUnique(std::vector<T>& values) {
   values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
+std::optional<Rigid3d> PoseOf(const Atlas& atlas, KeyframeId culled) {
+  const auto resolved = atlas.ResolvePose(culled);
+  if (!resolved) return std::nullopt;
+  return resolved->keyframe_from_asked.Inverse() * resolved->keyframe->camera_from_map;
+}
+
 std::vector<PieceKeyframe> CutKeyframes(const Atlas& atlas, const PieceSelection& selection) {
   std::vector<KeyframeId> ids = selection.keyframes;
   SortUnique(ids);
@@ -72,22 +78,12 @@ MapPiece CutPiece(const Atlas& atlas, const PieceSelection& selection) {
       piece.removed.push_back(id);
     }
   }
-  piece.culled = selection.culled;
-  SortUnique(piece.culled);
-  std::erase_if(piece.culled, [&](KeyframeId id) { return atlas.FindKeyframe(id) != nullptr || !atlas.Knows(id); });
-  return piece;
-}
-
-std::vector<LandmarkId> LandmarksOf(const Atlas& atlas, std::span<const KeyframeId> keyframes) {
-  std::vector<LandmarkId> landmarks;
-  for (const KeyframeId id : keyframes) {
-    const Keyframe* keyframe = atlas.FindKeyframe(id);
-    if (keyframe == nullptr) continue;
-    std::copy_if(keyframe->landmarks.begin(), keyframe->landmarks.end(), std::back_inserter(landmarks),
-                 [](LandmarkId landmark) { return landmark.valid(); });
+  std::vector<KeyframeId> culled = selection.culled;
+  SortUnique(culled);
+  for (const KeyframeId id : culled) {
+    if (atlas.FindKeyframe(id) == nullptr && atlas.Knows(id)) piece.culled.push_back({id, PoseOf(atlas, id)});
   }
-  SortUnique(landmarks);
-  return landmarks;
+  return piece;
 }
 
 }  // namespace pangaea

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <vector>
@@ -34,6 +35,12 @@ struct PieceLandmark {
   std::vector<Observation> observations;
 };
 
+struct GoneKeyframe {
+  KeyframeId id;
+  // Where it would be: late edits measure from it. None where its map is gone, too.
+  std::optional<Rigid3d> camera_from_map;
+};
+
 struct FusedLandmark {
   LandmarkId absorbed;
   LandmarkId kept;
@@ -42,9 +49,11 @@ struct FusedLandmark {
 
 // Part of one map of the server's atlas as it is, in absolute numbers: what an agent is sent, be it a correction of its
 // own keyframes, those of other sessions around its camera (its guests), or the place where it was found again.
-// What the receiver has and the piece does not list has not changed: keyframes keep their pose, landmarks keep their
-// coordinates in the camera frame of their reference keyframe (so list those that do not, and those whose reference is
-// another than the receiver knows).
+// What the receiver has and the piece does not list follows what is: keyframes of its own session their parent,
+// landmarks their reference keyframe; everything else stays. So where any keyframe of the receiver's session moved,
+// list all of them (60 bytes each): some arrived after the correction and before the piece was cut, and trees differ.
+// List all landmarks that moved keyframes observe, unless they follow: agent and server may know different references.
+// List the guests that moved.
 struct MapPiece {
   MapId map;
   std::vector<MapId> merged;             // maps that were merged into it and forward to it, ascending
@@ -52,7 +61,7 @@ struct MapPiece {
   std::vector<PieceLandmark> landmarks;  // ascending by id
   std::vector<FusedLandmark> fused;      // each absorbed landmark once
   std::vector<LandmarkId> removed;       // landmarks that are gone
-  std::vector<KeyframeId> culled;        // keyframes that are gone
+  std::vector<GoneKeyframe> culled;      // ascending by id
 
   bool empty() const;
 };
@@ -63,14 +72,13 @@ struct PieceSelection {
   std::vector<KeyframeId> keyframes;
   std::set<KeyframeId> held;  // of these the receiver has the data
   std::vector<LandmarkId> landmarks;
-  // As in the piece. Landmarks fused into something that is gone count as removed; ids that are alive are left out.
+  // As in the piece; also what the receiver added in vain, because the server had changed things meanwhile: its
+  // landmarks at a keypoint that showed another by then, or of a keyframe that was culled. Landmarks fused into
+  // something that is gone count as removed; ids that are alive are left out.
   std::vector<LandmarkId> former_landmarks;
   std::vector<KeyframeId> culled;
 };
 MapPiece CutPiece(const Atlas& atlas, const PieceSelection& selection);
-// The landmarks that at least one of the keyframes observes, ascending.
-std::vector<LandmarkId> LandmarksOf(const Atlas& atlas, std::span<const KeyframeId> keyframes);
-
 // Several pieces, which share one table of sessions.
 std::vector<std::byte> EncodePieces(std::span<const MapPiece> pieces);
 // Any bytes give an error, or pieces that encode to what they mean: ids that can be, finite poses and points, orders as

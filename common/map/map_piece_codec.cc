@@ -88,7 +88,12 @@ void WritePiece(const MapPiece& piece, MapWriter& writer) {
     writer.WriteId(fused.kept);
   }
   WriteIds(piece.removed, writer);
-  WriteIds(piece.culled, writer);
+  writer.bytes().Varint(piece.culled.size());
+  for (const GoneKeyframe& keyframe : piece.culled) {
+    writer.WriteId(keyframe.id);
+    writer.bytes().Word(static_cast<std::uint8_t>(keyframe.camera_from_map ? 1 : 0));
+    if (keyframe.camera_from_map) writer.WriteRigid(*keyframe.camera_from_map);
+  }
 }
 
 MapPiece ReadPiece(MapReader& reader) {
@@ -105,7 +110,13 @@ MapPiece ReadPiece(MapReader& reader) {
     fused.kept = reader.ReadId<LandmarkTag>();
   }
   ReadIds(reader, piece.removed);
-  ReadIds(reader, piece.culled);
+  piece.culled.resize(reader.bytes().Count(kMinIdBytes + 1));
+  for (GoneKeyframe& keyframe : piece.culled) {
+    keyframe.id = reader.ReadId<KeyframeTag>();
+    const auto has_pose = reader.bytes().Word<std::uint8_t>();
+    if (has_pose > 1) reader.bytes().Invalidate();
+    if (has_pose == 1) keyframe.camera_from_map = reader.ReadRigid();
+  }
   return piece;
 }
 
@@ -151,6 +162,11 @@ bool IsSound(const PieceLandmark& landmark, const MapPiece& piece) {
          AscendStrictly(observations, keyframe_of) && std::all_of(observations.begin(), observations.end(), listed);
 }
 
+bool IsSound(const GoneKeyframe& keyframe) {
+  return CheckNewId(keyframe.id).has_value() &&
+         (!keyframe.camera_from_map || IsCoordinate(keyframe.camera_from_map->translation()));
+}
+
 bool IsSound(const FusedLandmark& fused) {
   return CheckNewId(fused.absorbed).has_value() && CheckNewId(fused.kept).has_value() && fused.absorbed != fused.kept;
 }
@@ -165,7 +181,9 @@ bool IsSound(const MapPiece& piece) {
          AscendStrictly(piece.fused, [](const FusedLandmark& fused) { return fused.absorbed; }) &&
          std::all_of(piece.fused.begin(), piece.fused.end(),
                      [](const FusedLandmark& fused) { return IsSound(fused); }) &&
-         AreIds(piece.removed) && AreIds(piece.culled);
+         AreIds(piece.removed) && AscendStrictly(piece.culled, kId) &&
+         std::all_of(piece.culled.begin(), piece.culled.end(),
+                     [](const GoneKeyframe& keyframe) { return IsSound(keyframe); });
 }
 
 }  // namespace

@@ -24,9 +24,9 @@ std::vector<KeyframeId> ParentsFirst(const Atlas& atlas, std::span<const Keyfram
 // The edit that gives keyframes these poses (camera_from_map), to be applied to the given atlas or one in which the
 // same keyframes hang together in the same way. Unknown ids are left out; of an id listed twice the last pose counts.
 MoveKeyframes MoveKeyframesTo(const Atlas& atlas, std::span<const std::pair<KeyframeId, Rigid3d>> camera_from_map);
-// The edit that gives landmarks these positions (point_in_map), to within QuantizePoint, measured from their reference keyframes as they stand
-// in the given atlas: where keyframes move as well, apply their edit first. Left out are unknown ids and points that an
-// edit cannot carry: behind the reference camera or farther than kMaxLength.
+// The edit that gives landmarks these positions (point_in_map), to within QuantizePoint, measured from their reference
+// keyframes as they stand in the given atlas: where keyframes move as well, apply their edit first. Left out are
+// unknown ids and points that an edit cannot carry: behind the reference camera or farther than kMaxLength.
 MoveLandmarks MoveLandmarksTo(const Atlas& atlas, std::span<const std::pair<LandmarkId, Eigen::Vector3d>> point_in_map);
 
 }  // namespace pangaea

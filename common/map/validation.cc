@@ -79,8 +79,13 @@ Status CheckSimilarity(const Similarity3d& similarity) {
 
 bool IsTotalScale(double scale) { return scale >= 1.0 / kMaxTotalScale && scale <= kMaxTotalScale; }
 
+Status CheckPoint(const Eigen::Vector3d& point) {
+  if (IsWithin(point, kMaxLength)) return {};
+  return Invalid("a landmark is not finite or too far");
+}
+
 Status CheckPointInCamera(const Eigen::Vector3d& point_in_camera) {
-  if (!IsWithin(point_in_camera, kMaxLength)) return Invalid("a landmark is not finite or too far");
+  if (auto status = CheckPoint(point_in_camera); !status) return status;
   if (!(point_in_camera.z() > 0.0)) return Invalid("a landmark is behind its reference camera");
   return {};
 }
@@ -98,10 +103,13 @@ Status CheckKeyframeData(const KeyframeData& data) {
   return {};
 }
 
+Status CheckKeypoint(const Keyframe& keyframe, std::uint32_t keypoint) {
+  if (keypoint < keyframe.landmarks.size()) return {};
+  return Invalid("keyframe " + ToString(keyframe.id) + " has no keypoint " + std::to_string(keypoint));
+}
+
 Status CheckFreeKeypoint(const Keyframe& keyframe, std::uint32_t keypoint) {
-  if (keypoint >= keyframe.landmarks.size()) {
-    return Invalid("keyframe " + ToString(keyframe.id) + " has no keypoint " + std::to_string(keypoint));
-  }
+  if (auto status = CheckKeypoint(keyframe, keypoint); !status) return status;
   if (!keyframe.landmarks[keypoint].valid()) return {};
   return Fail(ErrorCode::kRefused, "keypoint " + std::to_string(keypoint) + " of keyframe " + ToString(keyframe.id) +
                                        " observes landmark " + ToString(keyframe.landmarks[keypoint]) + " already");

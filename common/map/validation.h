@@ -23,10 +23,13 @@ Status CheckPose(const Rigid3d& pose);
 Status CheckSimilarity(const Similarity3d& similarity);
 // Of a keyframe, from 1 / kMaxTotalScale to kMaxTotalScale.
 bool IsTotalScale(double scale);
-// In front of the camera, finite, not farther than kMaxLength.
+// Finite, not farther than kMaxLength.
+Status CheckPoint(const Eigen::Vector3d& point);
+// Also in front of the camera.
 Status CheckPointInCamera(const Eigen::Vector3d& point_in_camera);
 // A camera that can be and features that it can have seen.
 Status CheckKeyframeData(const KeyframeData& data);
+Status CheckKeypoint(const Keyframe& keyframe, std::uint32_t keypoint);
 // A keypoint of the keyframe that observes nothing.
 Status CheckFreeKeypoint(const Keyframe& keyframe, std::uint32_t keypoint);
 

@@ -9,13 +9,13 @@
 namespace pangaea {
 
 // On the wire an integer: other values may come from newer agents.
-enum class TrackingState : std::uint32_t { kInitializing = 0, kTracking = 1, kLost = 2, kFinished = 3 };
+enum class AgentTracking : std::uint32_t { kInitializing = 0, kTracking = 1, kLost = 2, kFinished = 3 };
 
 // Where an agent is and how it does, for whoever looks. Best effort: some are lost.
 struct AgentState {
   SessionId session = 0;
   std::int64_t stamp_ns = 0;  // of the newest frame
-  TrackingState tracking = TrackingState::kInitializing;
+  AgentTracking tracking = AgentTracking::kInitializing;
   bool discontinuity = false;     // odom_from_body is not continuous with the previous state
   std::uint32_t map_counter = 0;  // counter of the agent's present map
   Rigid3d odom_from_body;

@@ -183,7 +183,7 @@ Result<AgentState> FromIdl(const pangaea_wire_AgentState& sample) {
   }
   return AgentState{.session = sample.session,
                     .stamp_ns = sample.stamp_ns,
-                    .tracking = static_cast<TrackingState>(sample.tracking),
+                    .tracking = static_cast<AgentTracking>(sample.tracking),
                     .discontinuity = sample.discontinuity,
                     .map_counter = sample.map_counter,
                     .odom_from_body = *odom_from_body,

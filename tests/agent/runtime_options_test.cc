@@ -58,6 +58,8 @@ std::map<std::string, double> ValuesOf(const AgentOptions& options) {
       {"uplink.queue_batches", number(options.uplink.queue_batches)},
       {"uplink.envelope_bytes", number(options.uplink.edits.envelope_bytes)},
       {"uplink.patience_s", 0.001 * number(options.flush_patience.count())},
+      {"corrections.patience_s", 0.001 * number(options.correction_patience.count())},
+      {"corrections.deterministic_frames", number(options.frames_between_corrections)},
   };
 }
 

@@ -39,7 +39,7 @@ class UplinkPlannerHistory : public testing::TestWithParam<std::uint64_t> {};
 TEST_P(UplinkPlannerHistory, AfterAFlushTheServersAtlasEqualsTheAgents) {
   RandomHistory agent(GetParam());
   std::mt19937_64 random(GetParam());
-  UplinkPlanner planner({});
+  UplinkPlanner planner({}, kSession);
   Atlas server;
   for (int step = 0; step < 1500; ++step) {
     agent.Step();
@@ -102,7 +102,7 @@ std::size_t CountOf(const UplinkPlan& plan) {
 
 TEST(UplinkPlanner, AKeyframeIsSentOnceWhenItLeftTheWindow) {
   Line line;
-  UplinkPlanner planner({});
+  UplinkPlanner planner({}, kSession);
   for (int i = 0; i < 3; ++i) line.Add();
   EXPECT_TRUE(line.Plan(planner).edits.empty());
   line.Add();
@@ -114,7 +114,7 @@ TEST(UplinkPlanner, AKeyframeIsSentOnceWhenItLeftTheWindow) {
 
 TEST(UplinkPlanner, FramesOfAStandingCameraSettleTheLastKeyframeAfterFiveSeconds) {
   Line line;
-  UplinkPlanner planner({});
+  UplinkPlanner planner({}, kSession);
   line.Add();
   line.Do(AddFramePoses{{{{kSession, 1}, {5'400'000'000, Rigid3d()}}}});
   EXPECT_TRUE(line.Plan(planner).edits.empty());
@@ -126,7 +126,7 @@ TEST(UplinkPlanner, FramesOfAStandingCameraSettleTheLastKeyframeAfterFiveSeconds
 
 TEST(UplinkPlanner, AKeyframeCulledBeforeItSettledIsNeverSentButItsFrameIs) {
   Line line;
-  UplinkPlanner planner({});
+  UplinkPlanner planner({}, kSession);
   line.Add();
   line.Add();
   line.Do(RemoveKeyframe{{kSession, 2}});
@@ -138,7 +138,7 @@ TEST(UplinkPlanner, AKeyframeCulledBeforeItSettledIsNeverSentButItsFrameIs) {
 
 TEST(UplinkPlanner, AKeyframeCulledAfterItWasSentIsRemovedAndForwards) {
   Line line;
-  UplinkPlanner planner({});
+  UplinkPlanner planner({}, kSession);
   for (int i = 0; i < 5; ++i) line.Add();
   EXPECT_EQ(CountOf<AddKeyframe>(line.Plan(planner)), 2U);
   line.Do(RemoveKeyframe{{kSession, 2}});
@@ -148,7 +148,7 @@ TEST(UplinkPlanner, AKeyframeCulledAfterItWasSentIsRemovedAndForwards) {
 
 TEST(UplinkPlanner, ASentLandmarkThatIsFusedForwardsToItsAbsorberAtTheServer) {
   Line line;
-  UplinkPlanner planner({});
+  UplinkPlanner planner({}, kSession);
   for (int i = 0; i < 5; ++i) line.Add();
   EXPECT_EQ(CountOf<AddLandmark>(line.Plan(planner)), 2U);
   line.Do(FuseLandmarks{{kSession, 1}, {kSession, 2}});
@@ -163,7 +163,7 @@ TEST(UplinkPlanner, ASentLandmarkThatIsFusedForwardsToItsAbsorberAtTheServer) {
 
 TEST(UplinkPlanner, OnlyMovesBeyondTheThresholdsAreSentBeforeTheFlush) {
   Line line;
-  UplinkPlanner planner({});
+  UplinkPlanner planner({}, kSession);
   for (int i = 0; i < 4; ++i) line.Add();
   line.Plan(planner);
   line.Do(MoveKeyframes{{{{kSession, 1}, Rigid3d({1, 0, 0, 0}, {-0.1005, 0, 0})}}});
@@ -178,7 +178,7 @@ TEST(UplinkPlanner, OnlyMovesBeyondTheThresholdsAreSentBeforeTheFlush) {
 
 TEST(UplinkPlanner, ClosingAMapSendsAllOfItFirst) {
   Line line;
-  UplinkPlanner planner({});
+  UplinkPlanner planner({}, kSession);
   for (int i = 0; i < 2; ++i) line.Add();
   line.Do(CloseMap{{kSession, 1}});
   const UplinkPlan plan = line.Plan(planner);
@@ -192,7 +192,7 @@ TEST(UplinkPlanner, ClosingAMapSendsAllOfItFirst) {
 
 TEST(UplinkPlanner, NumbersOnABoundaryOfTheDigestsGridAreMovedOnBothSidesAlike) {
   Line line;
-  UplinkPlanner planner({});
+  UplinkPlanner planner({}, kSession);
   for (std::uint32_t i = 1; i <= 30; ++i) line.Add();
   std::mt19937_64 random(1);
   const auto boundary = [&] { return (static_cast<double>(random() % 10000) + 0.5) * 1e-4; };
@@ -212,7 +212,7 @@ TEST(UplinkPlanner, NumbersOnABoundaryOfTheDigestsGridAreMovedOnBothSidesAlike) 
 
 TEST(UplinkPlanner, ALandmarkBehindItsReferenceCameraIsGivenUpOnBothSides) {
   Line line;
-  UplinkPlanner planner({});
+  UplinkPlanner planner({}, kSession);
   line.Add();
   // Turned half round, the landmark stays where it was: behind.
   line.Do(MoveKeyframes{{{{kSession, 1}, Rigid3d({0, 0, 1, 0}, {0, 0, 0})}}});
@@ -225,7 +225,7 @@ TEST(UplinkPlanner, ALandmarkBehindItsReferenceCameraIsGivenUpOnBothSides) {
 
 TEST(UplinkPlanner, AfterARejectionWhatTheServerMissesIsSentAnew) {
   Line line;
-  UplinkPlanner planner({});
+  UplinkPlanner planner({}, kSession);
   Atlas server;
   for (int i = 0; i < 6; ++i) line.Add();
   Deliver(line.Plan(planner), server);

@@ -16,7 +16,8 @@ namespace pangaea {
 // fusions, culling, lost maps. Everything it did since the last call of Take() is in `edits`.
 class RandomHistory {
  public:
-  explicit RandomHistory(std::uint64_t seed) : random_(seed) {}
+  // `keeps_roots`: the root of a map is neither moved nor removed, as local mapping does it.
+  explicit RandomHistory(std::uint64_t seed, bool keeps_roots = false) : random_(seed), keeps_roots_(keeps_roots) {}
 
   const Atlas& atlas() const { return atlas_; }
   std::vector<MapEdit> Take() { return std::exchange(edits_, {}); }
@@ -31,16 +32,21 @@ class RandomHistory {
     if (choice < 84) return MovePoints();
     if (choice < 89) return Do(FuseLandmarks{AnyLandmark(), AnyLandmark()});
     if (choice < 93) return Frames();
-    if (choice < 96) return Do(RemoveKeyframe{AnyKeyframe()});
+    if (choice < 96) return Cull(AnyKeyframe());
     if (choice < 99) return Do(RemoveLandmark{AnyLandmark()});
     Do(CloseMap{{kSession, map_}});
     ++map_;
   }
 
   static constexpr SessionId kSession = 42;
+  static constexpr int kKeypoints = 6;
+
+  // What the atlas refuses did not happen.
+  void Do(MapEdit edit) {
+    if (Apply(edit, atlas_)) edits_.push_back(std::move(edit));
+  }
 
  private:
-  static constexpr int kKeypoints = 6;
 
   int Below(int bound) { return static_cast<int>(random_() % static_cast<std::uint64_t>(bound)); }
   double Uniform() { return std::uniform_real_distribution<double>(-1.0, 1.0)(random_); }
@@ -56,11 +62,10 @@ class RandomHistory {
   KeyframeId AnyKeyframe() { return Any(keyframes_); }
   LandmarkId AnyLandmark() { return Any(landmarks_); }
 
-  // What the atlas refuses did not happen.
-  void Do(MapEdit edit) {
-    if (Apply(edit, atlas_)) edits_.push_back(std::move(edit));
+  void Cull(KeyframeId id) {
+    const Keyframe* keyframe = atlas_.FindKeyframe(id);
+    if (!keeps_roots_ || (keyframe != nullptr && keyframe->parent.valid())) Do(RemoveKeyframe{id});
   }
-
   void NewKeyframe() {
     auto data = std::make_shared<KeyframeData>();
     stamp_ns_ += 500'000'000;
@@ -96,6 +101,7 @@ class RandomHistory {
       const Keyframe* keyframe = atlas_.FindKeyframe(AnyKeyframe());
       if (keyframe == nullptr) continue;
       const Keyframe* parent = atlas_.FindKeyframe(keyframe->parent);
+      if (parent == nullptr && keeps_roots_) continue;
       const Rigid3d camera_from_map = Motion(size) * keyframe->camera_from_map;
       edit.keyframes.push_back(
           {keyframe->id, parent == nullptr ? camera_from_map : camera_from_map * parent->camera_from_map.Inverse()});
@@ -119,6 +125,7 @@ class RandomHistory {
   }
 
   std::mt19937_64 random_;
+  bool keeps_roots_;
   Atlas atlas_;
   std::vector<MapEdit> edits_;
   std::vector<KeyframeId> keyframes_;

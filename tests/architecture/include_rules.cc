@@ -47,7 +47,8 @@ const Allowed& AllowedIncludes() {
 constexpr std::array kCore = {
     "common/geometry",          "common/features", "common/map",          "common/place", "common/estimation",
     "common/mapping",           "agent/tracking",  "agent/mapping",       "agent/uplink", "server/ingest",
-    "server/place_recognition", "server/fusion",   "server/optimization", "server/atlas", "server/downlink"};
+    "server/place_recognition", "server/fusion",   "server/optimization", "server/atlas", "server/downlink",
+    "agent/absorption"};
 constexpr std::array kForbiddenInCore = {"thread",
                                          "mutex",
                                          "shared_mutex",

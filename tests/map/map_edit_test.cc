@@ -80,6 +80,16 @@ TEST(MapEdit, OnceCorrectedAKeyframeIsMovedByCorrectionsAlone) {
   EXPECT_FALSE(SameBits(world.Get(K(2)).camera_from_map, corrected));
 }
 
+TEST(MapEdit, WhatOnlyComesAlongWithACorrectionRemainsItsAgentsToMove) {
+  SmallWorld world = RowOfThree();
+  MoveKeyframes along{{{K(3), MakePose(0.1, 1, 2, 3), K(2), {}, 2.0, false}}, 7};
+  world.Do(along);
+  EXPECT_EQ(world.Get(K(3)).corrected_at, 0U);
+  EXPECT_EQ(world.Get(K(3)).scale, 2.0);
+  world.Do(MoveKeyframes{{{K(3), MakePose(0.2, 0, 0, 1), K(2)}}});
+  EXPECT_TRUE(SameBits(world.Get(K(3)).camera_from_map, MakePose(0.2, 0, 0, 1) * world.Get(K(2)).camera_from_map));
+}
+
 TEST(MapEdit, LengthsMeasuredBeforeAKeyframeWasScaledAreScaledWhenTheyArrive) {
   SmallWorld world = RowOfThree();
   const Rigid3d same = world.Get(K(3)).camera_from_map * world.Get(K(2)).camera_from_map.Inverse();
@@ -206,6 +216,20 @@ TEST(MapEdit, LateObservationsAndLandmarksOfCulledKeyframesAreDropped) {
   EXPECT_EQ(world.atlas.FindLandmark(L(4)), nullptr);
 }
 
+TEST(MapEdit, WhatArrivesAtAKeypointThatShowsALandmarkByNowIsDroppedOrIsThatLandmark) {
+  SmallWorld world = RowOfThree();
+  world.Do(AddObservation{L(1), K(3), 3});  // shows landmark 3
+  EXPECT_EQ(world.Get(K(3)).landmarks[3], L(3));
+  EXPECT_EQ(world.Get(L(1)).observations.size(), 2U);
+  world.Do(AddObservation{L(1), K(2), 9});  // seen from there at another keypoint
+  EXPECT_FALSE(world.Get(K(2)).landmarks[9].valid());
+  world.Do(AddLandmark{L(9), K(1), 1, {0, 0, 1}});  // shows landmark 1
+  EXPECT_EQ(world.atlas.FindLandmark(L(9)), nullptr);
+  EXPECT_EQ(world.atlas.Resolve(L(9)), L(1));
+  world.Do(AddObservation{L(9), K(3), 9});  // late, and to the one that it is
+  EXPECT_EQ(world.Get(K(3)).landmarks[9], L(1));
+}
+
 TEST(MapEdit, ALateChildOfACulledKeyframeHangsBelowItsAncestor) {
   SmallWorld world = RowOfThree();
   const Rigid3d culled_from_map = world.Get(K(3)).camera_from_map;
@@ -216,9 +240,23 @@ TEST(MapEdit, ALateChildOfACulledKeyframeHangsBelowItsAncestor) {
   EXPECT_LT((world.Get(K(4)).camera_from_map.Matrix() - expected.Matrix()).norm(), 1e-12);
 }
 
+TEST(MapEdit, TheFirstChildOfACulledRootBecomesTheRoot) {
+  SmallWorld world = RowOfThree();
+  world.Child(K(4), K(1), M(1));
+  const Rigid3d root_from_map = world.Get(K(1)).camera_from_map;
+  world.Do(RemoveKeyframe{K(1)});
+  EXPECT_EQ(world.atlas.FindMap(M(1))->root, K(2));
+  EXPECT_FALSE(world.Get(K(2)).parent.valid());
+  EXPECT_EQ(world.Get(K(4)).parent, K(2));
+  const auto resolved = world.atlas.ResolvePose(K(1));
+  ASSERT_TRUE(resolved);
+  EXPECT_EQ(resolved->keyframe->id, K(2));
+  const Rigid3d would_be = resolved->keyframe_from_asked.Inverse() * resolved->keyframe->camera_from_map;
+  EXPECT_LT((would_be.Matrix() - root_from_map.Matrix()).norm(), 1e-12);
+}
+
 TEST(MapEdit, TheLastKeyframeOfAMapTakesTheMapWithIt) {
   SmallWorld world = RowOfThree();
-  world.Refuse(RemoveKeyframe{K(1)}, ErrorCode::kRefused);
   for (const std::uint32_t counter : {2, 3, 1}) world.Do(RemoveKeyframe{K(counter)});
   EXPECT_EQ(world.atlas.FindMap(M(1)), nullptr);
   EXPECT_EQ(world.atlas.landmark_count(), 0u);

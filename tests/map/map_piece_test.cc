@@ -47,6 +47,15 @@ TEST(MapPiece, HoldsWhatWasSelectedAndTellsOfWhatIsGone) {
   EXPECT_TRUE(piece.culled.empty());
 }
 
+TEST(MapPiece, TellsWhereACulledKeyframeWouldBe) {
+  SmallWorld world = RowOfThree();
+  const Rigid3d before = world.Get(K(2)).camera_from_map;
+  world.Do(RemoveKeyframe{K(2)});
+  const MapPiece piece = CutPiece(world.atlas, {M(1), {}, {}, {}, {}, {K(2)}});
+  ASSERT_EQ(piece.culled.size(), 1U);
+  EXPECT_LT((piece.culled[0].camera_from_map->translation() - before.translation()).norm(), 1e-9);
+}
+
 TEST(MapPiece, ALandmarkWhoseReferenceIsNotListedIsMeasuredFromAnother) {
   SmallWorld world = RowOfThree();  // landmark 1 is of keyframe 1, seen by 2 as well
   const MapPiece piece = CutPiece(world.atlas, {M(1), {K(2)}, {}, {L(1)}, {}, {}});
@@ -116,7 +125,7 @@ TEST(MapPiece, WhatDoesNotFitTogetherIsAnError) {
   EXPECT_FALSE(decodes([](MapPiece& p) { p.landmarks[0].reference = K(3); }));
   EXPECT_FALSE(decodes([](MapPiece& p) { p.landmarks[0].point_in_map.x() = std::nan(""); }));
   EXPECT_FALSE(decodes([](MapPiece& p) { p.fused.push_back({L(5), L(5)}); }));
-  EXPECT_FALSE(decodes([](MapPiece& p) { p.culled = {K(7), K(6)}; }));
+  EXPECT_FALSE(decodes([](MapPiece& p) { p.culled = {{K(7), {}}, {K(6), {}}}; }));
 }
 
 }  // namespace

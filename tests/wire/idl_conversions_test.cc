@@ -98,12 +98,12 @@ TEST(IdlConversions, ImpossibleCorrectionsAndRequestsAreRefused) {
 TEST(IdlConversions, AnAgentStateKeepsItsSimilarity) {
   AgentState state;
   state.session = 3;
-  state.tracking = TrackingState::kLost;
+  state.tracking = AgentTracking::kLost;
   state.map_from_odom = Similarity3d(2.5, Eigen::Quaterniond(0.8, 0.0, 0.6, 0.0), Eigen::Vector3d(1, 2, 3));
   state.frames = 100;
   const auto received = FromIdl(BorrowAsIdl(state));
   ASSERT_TRUE(received);
-  EXPECT_EQ(received->tracking, TrackingState::kLost);
+  EXPECT_EQ(received->tracking, AgentTracking::kLost);
   EXPECT_DOUBLE_EQ(received->map_from_odom.scale(), 2.5);
   EXPECT_EQ(received->map_from_odom.translation(), Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(received->frames, 100U);

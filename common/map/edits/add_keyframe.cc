@@ -1,5 +1,7 @@
 #include "common/map/edits/add_keyframe.h"
 
+#include <algorithm>
+
 #include "common/map/atlas_codec.h"
 #include "common/map/atlas_editor.h"
 #include "common/map/map_bytes.h"
@@ -14,6 +16,13 @@ Status ValidateRoot(const AddKeyframe& edit, const Atlas& atlas) {
   return Fail(ErrorCode::kRefused, "keyframe " + ToString(edit.id) + " has no parent in a map that has a root");
 }
 
+// Its own agent closed the map. Where other maps were merged into it, that was said of a part of what it is now.
+bool IsClosedFor(const AddKeyframe& edit, MapId map, const Atlas& atlas) {
+  if (!atlas.FindMap(map)->closed || edit.map != map || edit.map.session != edit.id.session) return false;
+  const auto& merged = atlas.merged_maps();
+  return std::none_of(merged.begin(), merged.end(), [&](const auto& entry) { return entry.second == map; });
+}
+
 Status ValidateChild(const AddKeyframe& edit, const Atlas& atlas) {
   const KeyframeId parent = atlas.Resolve(edit.parent);
   if (!parent.valid()) {
@@ -23,7 +32,7 @@ Status ValidateChild(const AddKeyframe& edit, const Atlas& atlas) {
   if (map != atlas.Resolve(edit.map)) {
     return Fail(ErrorCode::kRefused, "keyframe " + ToString(edit.id) + ": its parent is in another map");
   }
-  if (!atlas.FindMap(map)->closed) return {};
+  if (!IsClosedFor(edit, map, atlas)) return {};
   return Fail(ErrorCode::kRefused, "keyframe " + ToString(edit.id) + ": map " + ToString(map) + " is closed");
 }
 

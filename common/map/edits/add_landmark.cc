@@ -16,12 +16,14 @@ Status Validate(const AddLandmark& edit, const Atlas& atlas) {
     return Fail(ErrorCode::kRefused, "landmark " + ToString(edit.id) + " is here already");
   }
   const Keyframe* reference = atlas.FindKeyframe(edit.reference);
-  return reference == nullptr ? Status{} : CheckFreeKeypoint(*reference, edit.keypoint);
+  return reference == nullptr ? Status{} : CheckKeypoint(*reference, edit.keypoint);
 }
 
 void ApplyValid(const AddLandmark& edit, AtlasEditor& editor) {
   const Keyframe* reference = editor.atlas().FindKeyframe(edit.reference);
   if (reference == nullptr) return editor.ForgetLandmark(edit.id);
+  const LandmarkId there = reference->landmarks[edit.keypoint];
+  if (there.valid()) return editor.ForwardLandmark(edit.id, there);
   const Eigen::Vector3d point_in_reference = LengthFactor(*reference, edit.reference_scale) * edit.point_in_reference;
   const Eigen::Vector3d point_in_map = reference->camera_from_map.Inverse() * point_in_reference;
   editor.InsertLandmark(edit.id, point_in_map, edit.reference, edit.keypoint);

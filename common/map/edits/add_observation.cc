@@ -9,10 +9,9 @@
 namespace pangaea {
 namespace {
 
-const Observation* FindObservation(const Landmark& landmark, KeyframeId keyframe) {
-  const auto found = std::find_if(landmark.observations.begin(), landmark.observations.end(),
-                                  [&](const Observation& o) { return o.keyframe == keyframe; });
-  return found == landmark.observations.end() ? nullptr : &*found;
+bool IsObservedFrom(const Landmark& landmark, KeyframeId keyframe) {
+  return std::any_of(landmark.observations.begin(), landmark.observations.end(),
+                     [&](const Observation& o) { return o.keyframe == keyframe; });
 }
 
 }  // namespace
@@ -23,22 +22,18 @@ Status Validate(const AddObservation& edit, const Atlas& atlas) {
   const Landmark* landmark = atlas.FindLandmark(atlas.Resolve(edit.landmark));
   const Keyframe* keyframe = atlas.FindKeyframe(edit.keyframe);
   if (landmark == nullptr || keyframe == nullptr) return {};
-  if (const Observation* observation = FindObservation(*landmark, edit.keyframe)) {
-    if (landmark->id != edit.landmark || observation->keypoint == edit.keypoint) return {};
-    return Fail(ErrorCode::kRefused, "keyframe " + ToString(edit.keyframe) + " observes landmark " +
-                                         ToString(edit.landmark) + " at another keypoint");
-  }
   if (atlas.MapOf(*landmark) != keyframe->map) {
     return Fail(ErrorCode::kRefused,
                 "landmark " + ToString(edit.landmark) + " is in another map than keyframe " + ToString(edit.keyframe));
   }
-  return CheckFreeKeypoint(*keyframe, edit.keypoint);
+  return CheckKeypoint(*keyframe, edit.keypoint);
 }
 
 void ApplyValid(const AddObservation& edit, AtlasEditor& editor) {
   const Landmark* landmark = editor.atlas().FindLandmark(editor.atlas().Resolve(edit.landmark));
-  if (landmark == nullptr || editor.atlas().FindKeyframe(edit.keyframe) == nullptr) return;
-  if (FindObservation(*landmark, edit.keyframe) != nullptr) return;
+  const Keyframe* keyframe = editor.atlas().FindKeyframe(edit.keyframe);
+  if (landmark == nullptr || keyframe == nullptr) return;
+  if (IsObservedFrom(*landmark, edit.keyframe) || keyframe->landmarks[edit.keypoint].valid()) return;
   editor.Observe(landmark->id, edit.keyframe, edit.keypoint);
 }
 

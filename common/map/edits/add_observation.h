@@ -7,8 +7,9 @@
 
 namespace pangaea {
 
-// An observation of a fused landmark goes to its absorber (unless that is already seen from the keyframe); one from a
-// culled keyframe or of a landmark that is gone is dropped.
+// An observation of a fused landmark goes to its absorber. Dropped, for agent and server may have come to different
+// ends at the same time: one from a culled keyframe or of a landmark that is gone, one at a keypoint that shows a
+// landmark already, one of a landmark that the keyframe sees already.
 struct AddObservation {
   static constexpr std::uint8_t kTag = 4;
   static constexpr std::uint8_t kVersion = 1;

@@ -78,7 +78,7 @@ void ApplyValid(const MoveKeyframes& edit, AtlasEditor& editor) {
     if (!camera_from_map) continue;
     Keyframe& written = editor.WriteKeyframe(moved.id);
     written.camera_from_map = *camera_from_map;
-    if (edit.correction != 0) written.corrected_at = edit.correction;
+    if (edit.correction != 0 && moved.settles) written.corrected_at = edit.correction;
     if (moved.scale == 1.0) continue;
     written.scale *= moved.scale;
     ScaleFrames(written, moved.scale);
@@ -100,7 +100,9 @@ void Encode(const MoveKeyframes& edit, MapWriter& writer) {
     writer.WriteRigid(moved.camera_from_reference);
     writer.WriteId(moved.reference);
     WriteScale(moved.reference_scale, writer);
-    if (edit.correction != 0) WriteScale({moved.scale}, writer);
+    if (edit.correction == 0) continue;
+    WriteScale({moved.scale}, writer);
+    writer.bytes().Word(static_cast<std::uint8_t>(moved.settles ? 1 : 0));
   }
 }
 
@@ -114,7 +116,11 @@ void Decode(MapReader& reader, std::uint8_t version, MoveKeyframes& edit) {
     if (version < 2) continue;
     moved.reference = reader.ReadId<KeyframeTag>();
     moved.reference_scale = ReadScale(reader);
-    if (edit.correction != 0) moved.scale = ReadScale(reader).value;
+    if (edit.correction == 0) continue;
+    moved.scale = ReadScale(reader).value;
+    const auto settles = reader.bytes().Word<std::uint8_t>();
+    if (settles > 1) reader.bytes().Invalidate();
+    moved.settles = settles == 1;
   }
 }
 

@@ -19,6 +19,8 @@ struct MovedKeyframe {
   ReferenceScale reference_scale = {};
   // By how much the lengths around the keyframe are multiplied; corrections alone scale.
   double scale = 1.0;
+  // Of a correction: from now on the server alone moves the keyframe. False where it only comes along.
+  bool settles = true;
 };
 
 // Applied in the listed order, each against its reference's pose at that moment: list references first. Keyframes that

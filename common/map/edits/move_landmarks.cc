@@ -28,7 +28,7 @@ std::optional<Eigen::Vector3d> NewPoint(const MovedLandmark& moved, const Landma
 Status Validate(const MoveLandmarks& edit, const Atlas& atlas) {
   for (const MovedLandmark& moved : edit.landmarks) {
     if (auto status = CheckKnown(atlas, moved.id); !status) return status;
-    if (auto status = CheckPointInCamera(moved.point_in_reference); !status) return status;
+    if (auto status = CheckPoint(moved.point_in_reference); !status) return status;
     if (auto status = CheckScale(moved.reference_scale); !status) return status;
     if (!moved.reference.valid()) continue;
     if (auto status = CheckKnown(atlas, moved.reference); !status) return status;

@@ -12,7 +12,7 @@ namespace pangaea {
 
 struct MovedLandmark {
   LandmarkId id;
-  Eigen::Vector3d point_in_reference;  // camera frame of the reference
+  Eigen::Vector3d point_in_reference;  // may be behind it: where others move it. Camera frame of the reference
   // The keyframe it is measured from; none: the landmark's reference keyframe, which may be another on the other side.
   KeyframeId reference = {};
   ReferenceScale reference_scale = {};

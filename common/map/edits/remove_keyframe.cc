@@ -26,18 +26,25 @@ void HandFramesOn(const Keyframe& culled, AtlasEditor& editor) {
   editor.InsertFrames(parent->keyframe->id, frames);
 }
 
-}  // namespace
-
-Status Validate(const RemoveKeyframe& edit, const Atlas& atlas) {
-  if (auto status = CheckKnown(atlas, edit.id); !status) return status;
-  const Keyframe* keyframe = atlas.FindKeyframe(edit.id);
-  if (keyframe == nullptr || keyframe->parent.valid() || keyframe->children.empty()) return {};
-  return Fail(ErrorCode::kRefused, "keyframe " + ToString(edit.id) + " is the root of a map that has others");
+// A root with children hangs below the first of them, which becomes the root and takes the others.
+void PassRootOn(KeyframeId root, AtlasEditor& editor) {
+  const std::vector<KeyframeId> children = editor.atlas().FindKeyframe(root)->children;
+  const KeyframeId heir = children.front();
+  for (const KeyframeId child : children) editor.SetParent(child, child == heir ? KeyframeId{} : heir);
+  editor.SetParent(root, heir);
+  editor.WriteMap(editor.atlas().FindKeyframe(root)->map).root = heir;
 }
 
+}  // namespace
+
+Status Validate(const RemoveKeyframe& edit, const Atlas& atlas) { return CheckKnown(atlas, edit.id); }
+
 void ApplyValid(const RemoveKeyframe& edit, AtlasEditor& editor) {
-  if (editor.atlas().FindKeyframe(edit.id) == nullptr) return;
+  const Keyframe* keyframe = editor.atlas().FindKeyframe(edit.id);
+  if (keyframe == nullptr) return;
   DropObservations(edit.id, editor);
+  keyframe = editor.atlas().FindKeyframe(edit.id);
+  if (!keyframe->parent.valid() && !keyframe->children.empty()) PassRootOn(edit.id, editor);
   const Keyframe culled = *editor.atlas().FindKeyframe(edit.id);
   for (const KeyframeId child : culled.children) editor.SetParent(child, culled.parent);
   editor.RemoveKeyframe(edit.id);

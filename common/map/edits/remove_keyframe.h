@@ -7,8 +7,9 @@
 
 namespace pangaea {
 
-// Its children and its frames, its own among them, go to its parent, and its id forwards there. The root of a map holds
-// the map's origin and cannot be removed while it has children; without any, the map goes with it.
+// Its children and its frames, its own among them, go to its parent, and its id forwards there. A root's first child
+// takes its place and is its parent here: trees of agent and server may have different roots, and what one side culls
+// the other must be able to cull. Without children the map goes with it.
 struct RemoveKeyframe {
   static constexpr std::uint8_t kTag = 9;
   static constexpr std::uint8_t kVersion = 1;

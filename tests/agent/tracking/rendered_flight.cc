@@ -94,6 +94,11 @@ TrackingResult RenderedFlight::Track(const cv::Mat& left, const RightImage& righ
   return result;
 }
 
+void RenderedFlight::Absorb(const AgentCorrection& correction) {
+  mapper_.Absorb(correction, Atlas(mapper_.atlas()));
+  snapshot_ = std::make_shared<const Atlas>(mapper_.atlas());
+}
+
 cv::Mat RenderedFlight::Draw(const Rigid3d& world_from_camera) {
   cv::Mat light;
   renderer_.Render(surfaces_, world_from_camera.Inverse(), light);

@@ -35,6 +35,9 @@ class RenderedFlight {
   // Frames from `from` to `to` (x, metres) with `step` metres between them; their results.
   std::vector<TrackingResult> FlyAlong(double from, double to, double step);
 
+  // What a server says that had been told everything.
+  void Absorb(const AgentCorrection& correction);
+
   const Atlas& atlas() const { return mapper_.atlas(); }
   // The tracked frames of each map by the latest knowledge.
   std::map<MapId, std::vector<StampedPose>> Trajectories() const;

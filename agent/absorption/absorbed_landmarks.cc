@@ -1,0 +1,145 @@
+// How landmarks become what the server says: new ones, fused ones, who observes them, where they are.
+#include <algorithm>
+#include <map>
+
+#include "agent/absorption/absorption_draft.h"
+
+namespace pangaea {
+namespace {
+
+class LandmarkAbsorption {
+ public:
+  LandmarkAbsorption(const MapPiece& piece, AbsorptionDraft& draft) : piece_(piece), draft_(draft) {
+    for (const FusedLandmark& fused : piece.fused) absorbers_[fused.absorbed] = fused.kept;
+  }
+
+  void Run() {
+    for (const LandmarkId id : piece_.removed) {
+      if (draft_.atlas().FindLandmark(id) != nullptr) draft_.Emit(RemoveLandmark{id});
+    }
+    for (const FusedLandmark& fused : piece_.fused) Fuse(fused);
+    for (const PieceLandmark& listed : piece_.landmarks) {
+      if (!Insert(listed)) continue;
+      DropObservations(listed);
+      AddObservations(listed);
+      Place(listed);
+    }
+    if (!points_.landmarks.empty()) draft_.Emit(std::move(points_));
+  }
+
+ private:
+  const Atlas& atlas() const { return draft_.atlas(); }
+
+  LandmarkId At(const Observation& observation) const {
+    const Keyframe* keyframe = atlas().FindKeyframe(observation.keyframe);
+    if (keyframe == nullptr || observation.keypoint >= keyframe->landmarks.size()) return {};
+    return keyframe->landmarks[observation.keypoint];
+  }
+
+  void Fuse(const FusedLandmark& fused) {
+    if (atlas().FindLandmark(fused.absorbed) == nullptr) return;
+    const PieceLandmark* kept = FindIn(piece_, fused.kept);
+    if (kept != nullptr) Insert(*kept, fused.absorbed);
+    if (atlas().FindLandmark(fused.absorbed) == nullptr) return;  // its only keypoint went to the absorber
+    if (!draft_.Emit(FuseLandmarks{fused.kept, fused.absorbed})) draft_.Emit(RemoveLandmark{fused.absorbed});
+  }
+
+  // True where the landmark is alive afterwards. `giving_way` is what makes room for it where it has no keypoint free.
+  bool Insert(const PieceLandmark& listed, LandmarkId giving_way = {}) {
+    if (atlas().FindLandmark(listed.id) != nullptr) return true;
+    if (atlas().Resolve(listed.id).valid()) return false;  // fused here since
+    // The server had it and it is gone here: its agent removed it since.
+    if (draft_.input().base.FindLandmark(listed.id) != nullptr) return false;
+    std::vector<Observation> seats = listed.observations;
+    std::stable_partition(seats.begin(), seats.end(),
+                          [&](const Observation& o) { return o.keyframe == listed.reference; });
+    for (const Observation& seat : seats) {
+      if (!At(seat).valid() && Seat(listed, seat)) return true;
+    }
+    for (const Observation& seat : seats) {
+      if (!giving_way.valid() || At(seat) != giving_way) continue;
+      draft_.Emit(RemoveObservation{giving_way, seat.keyframe});
+      if (Seat(listed, seat)) return true;
+    }
+    return false;
+  }
+
+  bool Seat(const PieceLandmark& listed, const Observation& seat) {
+    const Keyframe* keyframe = atlas().FindKeyframe(seat.keyframe);
+    if (keyframe == nullptr || seat.keypoint >= keyframe->landmarks.size()) return false;
+    const Eigen::Vector3d point = keyframe->camera_from_map * listed.point_in_map;
+    return draft_.Emit(AddLandmark{listed.id, seat.keyframe, seat.keypoint, point});
+  }
+
+  // Whether the server had been told that the keypoint shows the landmark, or one that it has fused into it.
+  bool WasTold(const Observation& observation, LandmarkId landmark) const {
+    const Keyframe* told = draft_.input().base.FindKeyframe(observation.keyframe);
+    if (told == nullptr || observation.keypoint >= told->landmarks.size()) return false;
+    const LandmarkId before = told->landmarks[observation.keypoint];
+    if (!before.valid()) return false;
+    const auto absorber = absorbers_.find(before);
+    return before == landmark || (absorber != absorbers_.end() && absorber->second == landmark);
+  }
+
+  static bool Holds(const std::vector<Observation>& observations, const Observation& observation) {
+    return std::find(observations.begin(), observations.end(), observation) != observations.end();
+  }
+
+  void DropObservations(const PieceLandmark& listed) {
+    if (listed.observations.empty()) return;  // it only moved
+    const std::vector<Observation> present = atlas().FindLandmark(listed.id)->observations;
+    for (const Observation& observation : present) {
+      if (FindIn(piece_, observation.keyframe) == nullptr || Holds(listed.observations, observation)) continue;
+      // What the agent found since stays.
+      if (WasTold(observation, listed.id)) draft_.Emit(RemoveObservation{listed.id, observation.keyframe});
+    }
+  }
+
+  void AddObservations(const PieceLandmark& listed) {
+    for (const Observation& observation : listed.observations) {
+      const Landmark* landmark = atlas().FindLandmark(listed.id);
+      if (landmark == nullptr) return;
+      const Keyframe* keyframe = atlas().FindKeyframe(observation.keyframe);
+      if (keyframe == nullptr || At(observation) == listed.id) continue;
+      // The agent took it back since.
+      if (WasTold(observation, listed.id)) continue;
+      const auto elsewhere = std::find_if(landmark->observations.begin(), landmark->observations.end(),
+                                          [&](const Observation& o) { return o.keyframe == observation.keyframe; });
+      if (elsewhere != landmark->observations.end()) {
+        if (landmark->observations.size() == 1) continue;
+        draft_.Emit(RemoveObservation{listed.id, observation.keyframe});
+      }
+      if (MakeRoom(observation, listed.id)) continue;
+      draft_.Emit(AddObservation{listed.id, observation.keyframe, observation.keypoint});
+    }
+  }
+
+  // What the keypoint shows here came to the server too late, when it showed `landmark` there already. One that was
+  // made at this keypoint is that landmark to the server (AddLandmark); then true: nothing is left to do.
+  bool MakeRoom(const Observation& observation, LandmarkId landmark) {
+    const LandmarkId holder = At(observation);
+    if (!holder.valid()) return false;
+    const Landmark* told = draft_.input().base.FindLandmark(holder);
+    const bool made_here = told != nullptr && told->reference == observation.keyframe;
+    if (made_here && FindIn(piece_, holder) == nullptr && draft_.Emit(FuseLandmarks{landmark, holder})) return true;
+    draft_.Emit(RemoveObservation{holder, observation.keyframe});
+    return false;
+  }
+
+  void Place(const PieceLandmark& listed) {
+    const Landmark* landmark = atlas().FindLandmark(listed.id);
+    if (landmark == nullptr || landmark->point_in_map == listed.point_in_map) return;
+    if (auto moved = MeasureLandmark(atlas(), *landmark, listed.point_in_map)) points_.landmarks.push_back(*moved);
+  }
+
+  const MapPiece& piece_;
+  AbsorptionDraft& draft_;
+  std::map<LandmarkId, LandmarkId> absorbers_;
+  MoveLandmarks points_;
+};
+
+}  // namespace
+
+void AbsorbLandmarks(const MapPiece& piece, AbsorptionDraft& draft) { LandmarkAbsorption(piece, draft).Run(); }
+
+}  // namespace pangaea

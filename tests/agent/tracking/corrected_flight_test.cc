@@ -1,0 +1,121 @@
+// What tracking and local mapping make of corrections and guests.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "common/map/consistency.h"
+#include "common/map/covisibility.h"
+#include "common/map/map_edit.h"
+#include "common/map/spanning_tree.h"
+#include "tests/agent/tracking/rendered_flight.h"
+
+namespace pangaea {
+namespace {
+
+using ::testing::IsEmpty;
+using testing::MakeWall;
+using testing::RenderedFlight;
+
+constexpr double kStep = 0.06;  // metres a frame: 1.2 m/s
+constexpr SessionId kOwn = 1;
+constexpr SessionId kOther = 2;
+
+std::vector<Surface> OneWall() { return {MakeWall(-4.0, 8.0, 3.0, 3.0, 1)}; }
+
+std::size_t Tracked(const std::vector<TrackingResult>& results) {
+  return static_cast<std::size_t>(std::ranges::count_if(results, &TrackingResult::tracked));
+}
+
+// All of the map, as a server would send it that has it in another frame.
+MapPiece Whole(const Atlas& atlas, MapId map, const Rigid3d& server_from_map, bool with_data) {
+  PieceSelection selection;
+  selection.map = map;
+  selection.keyframes = ParentsFirst(atlas, map);
+  if (!with_data) selection.held = {selection.keyframes.begin(), selection.keyframes.end()};
+  selection.landmarks = LandmarksSeenBy(atlas, selection.keyframes);
+  MapPiece piece = CutPiece(atlas, selection);
+  for (PieceKeyframe& keyframe : piece.keyframes) {
+    keyframe.camera_from_map = keyframe.camera_from_map * server_from_map.Inverse();
+    keyframe.corrected_at = 1;
+  }
+  for (PieceLandmark& landmark : piece.landmarks) landmark.point_in_map = server_from_map * landmark.point_in_map;
+  return piece;
+}
+
+TEST(CorrectedFlight, TrackingGoesOnWhenTheMapJumpsByAMetreAndTurns) {
+  RenderedFlight flight(OneWall(), {});
+  flight.FlyAlong(0.0, 1.5, kStep);
+  const MapId map = flight.atlas().Maps().front();
+  const Rigid3d server_from_map(ExpSo3({0.1, -0.3, 0.2}), {0.6, -0.7, 0.4});
+  const Rigid3d before = flight.atlas().FindKeyframe({kOwn, 1})->camera_from_map;
+  flight.Absorb({kOwn, 1, 1, 0, {Whole(flight.atlas(), map, server_from_map, false)}});
+  const Rigid3d after = flight.atlas().FindKeyframe({kOwn, 1})->camera_from_map;
+  EXPECT_GT((before.Inverse().translation() - after.Inverse().translation()).norm(), 1.0);
+  const auto results = flight.FlyAlong(1.5, 3.0, kStep);
+  EXPECT_EQ(Tracked(results), results.size());
+  EXPECT_EQ(flight.Trajectories().size(), 1U);
+  EXPECT_LT(flight.PositionError(), 0.01);
+  EXPECT_THAT(CheckConsistency(flight.atlas()), IsEmpty());
+  // What the server has placed stays there, whatever local mapping adjusts around it.
+  const Rigid3d& last = flight.atlas().FindKeyframe({kOwn, 1})->camera_from_map;
+  EXPECT_EQ(last.translation(), after.translation());
+}
+
+TEST(CorrectedFlight, KeyframesThatTheServerDidNotKnowYetComeAlong) {
+  RenderedFlight flight(OneWall(), {});
+  flight.FlyAlong(0.0, 1.5, kStep);
+  const Rigid3d server_from_map(ExpSo3({0.0, 0.2, 0.0}), {1.0, 0.0, 0.3});
+  MapPiece piece = Whole(flight.atlas(), flight.atlas().Maps().front(), server_from_map, false);
+  flight.FlyAlong(1.5, 2.5, kStep);
+  ASSERT_GT(flight.atlas().keyframe_count(), piece.keyframes.size());
+  flight.Absorb({kOwn, 1, 1, 0, {piece}});
+  const auto results = flight.FlyAlong(2.5, 3.5, kStep);
+  EXPECT_EQ(Tracked(results), results.size());
+  EXPECT_LT(flight.PositionError(), 0.01);
+}
+
+TEST(CorrectedFlight, OverAMapOfAnotherSessionFewNewLandmarksAreMade) {
+  RenderedFlight mapped(OneWall(), {}, kOther, 5);
+  mapped.FlyAlong(0.0, 4.0, kStep);
+  RenderedFlight alone(OneWall(), {}, kOwn);
+  alone.FlyAlong(0.0, 3.0, kStep);
+
+  RenderedFlight guided(OneWall(), {}, kOwn);
+  guided.FlyAlong(0.0, 0.3, kStep);
+  // Both began at the same place, so the server's frame is the agent's.
+  MapPiece guests = Whole(mapped.atlas(), {kOther, 1}, Rigid3d(), true);
+  guests.merged = {{kOwn, 1}};
+  const std::size_t guest_keyframes = guests.keyframes.size();
+  guided.Absorb({kOwn, 1, 1, 0, {guests}});
+  EXPECT_EQ(guided.atlas().keyframe_count(kOther), guest_keyframes);
+  const auto results = guided.FlyAlong(0.3, 3.0, kStep);
+  EXPECT_EQ(Tracked(results), results.size());
+  EXPECT_EQ(guided.atlas().Maps().size(), 1U);
+  EXPECT_LT(guided.PositionError(), 0.02);
+  EXPECT_THAT(CheckConsistency(guided.atlas()), IsEmpty());
+  EXPECT_EQ(guided.atlas().keyframe_count(kOther), guest_keyframes);  // none is culled
+  // Many of those it had made before the guests came are theirs by now.
+  const auto made_alone = static_cast<double>(alone.atlas().landmark_count(kOwn));
+  const auto made_guided = static_cast<double>(guided.atlas().landmark_count(kOwn));
+  EXPECT_LT(made_guided, 0.6 * made_alone) << made_guided << " of " << made_alone;
+}
+
+TEST(CorrectedFlight, ALostCameraGoesOnInAMapOfAnotherSessionThatTheServerSends) {
+  RenderedFlight mapped(OneWall(), {}, kOther, 5);
+  mapped.FlyAlong(0.0, 4.0, kStep);
+  RenderedFlight flight({MakeWall(-4.0, 8.0, 3.0, 3.0, 1), MakeWall(20.0, 30.0, 3.0, 3.0, 2)}, {}, kOwn);
+  flight.FlyAlong(22.0, 23.0, kStep);
+  flight.FlyInTheDark();
+  flight.Absorb({kOwn, 1, 1, 0, {Whole(mapped.atlas(), {kOther, 1}, Rigid3d(), true)}});
+  EXPECT_EQ(flight.atlas().Maps().size(), 2U);
+  const auto results = flight.FlyAlong(1.0, 3.0, kStep);
+  EXPECT_GE(Tracked(results) + 5, results.size());
+  EXPECT_EQ(results.back().map, (MapId{kOther, 1}));
+  // Its keyframes hang below the others' in their map.
+  EXPECT_GT(flight.atlas().FindMap({kOther, 1})->keyframes, mapped.atlas().keyframe_count());
+  EXPECT_THAT(CheckConsistency(flight.atlas()), IsEmpty());
+}
+
+}  // namespace
+}  // namespace pangaea
