@@ -17,7 +17,7 @@ Status FusionOptions::Check() const {
       .In("judgement.min_common_landmarks", judgement.min_common_landmarks, 3, 100000)
       .In("judgement.min_inlier_share", judgement.min_inlier_share, 0, 1)
       .In("judgement.max_cost_growth", judgement.max_cost_growth, 1, 100)
-      .In("judgement.cost_slack", judgement.cost_slack, 0, 100)
+      .In("judgement.noise_cost", judgement.noise_cost, 0, 100)
       .In("drift.translation_per_path", drift.translation_per_path, 0, 10)
       .In("drift.rotation_per_path", drift.rotation_per_path, 0, 180)
       .In("drift.scale_per_path", drift.scale_per_path, 0, 10)

@@ -23,10 +23,12 @@ struct SeamJudgementOptions {
   std::size_t min_common_landmarks = 20;
   // Part of the observations of these that agree with the welded map.
   double min_inlier_share = 0.7;
-  // The mean robust cost of an observation in the window may grow by this factor, and by so many squared sigmas: two
-  // maps that were adjusted apart bend a little to fit each other.
+  // The mean robust cost of an observation in the window may grow by this factor: two maps that were adjusted apart
+  // bend a little to fit each other.
   double max_cost_growth = 1.3;
-  double cost_slack = 0.1;
+  // Below this mean cost (half a squared sigma a component) nothing is bent, however it grew: noise alone costs 1 to
+  // 1.5, and maps that are young, with few observations of each landmark, fit better than they are.
+  double noise_cost = 0.6;
 };
 
 // What a loop may contradict: the way through the map that leads from one end to the other, over edges that were

@@ -98,7 +98,7 @@ class Welding {
     evidence_.common = MeasureResidual(adjustment.bundle, CommonLandmarks(draft_.welded(), window_));
     const SeamJudgementOptions& limits = options_.judgement;
     if (evidence_.common.inlier_share() < limits.min_inlier_share) return WeldingRefusalReason::kSidesDisagree;
-    const double allowed = limits.max_cost_growth * evidence_.before.mean_cost() + limits.cost_slack;
+    const double allowed = std::max(limits.noise_cost, limits.max_cost_growth * evidence_.before.mean_cost());
     if (evidence_.after.mean_cost() > allowed) return WeldingRefusalReason::kResidualGrew;
     return std::nullopt;
   }
