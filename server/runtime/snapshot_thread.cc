@@ -1,23 +1,20 @@
 #include "server/runtime/snapshot_thread.h"
 
 #include <spdlog/spdlog.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <utility>
 
+#include "server/runtime/thread_priority.h"
 #include "server/runtime/unix_clock.h"
 
 namespace pangaea {
 namespace {
 
-// On Linux this concerns the calling thread alone.
-void TakeLowestPriority() {
-  constexpr int kNicest = 19;
-  (void)setpriority(PRIO_PROCESS, 0, kNicest);
-}
+// Not the lowest: a commit waits while the store is written here, and must not wait for a thread that never runs.
+constexpr int kNice = 2;
 
 }  // namespace
 
@@ -67,7 +64,7 @@ SnapshotReport SnapshotThread::Report() const {
 }
 
 void SnapshotThread::Run(const std::stop_token& stop) {
-  TakeLowestPriority();
+  StandBack(kNice);
   while (const auto order = NextOrder(stop)) Write(*order, stop);
 }
 

@@ -27,7 +27,7 @@ struct SnapshotTriggers {
   std::uint64_t bytes = 0;
 };
 
-// Writes snapshots in the background, at the lowest priority.
+// Writes snapshots in the background.
 class SnapshotThread {
  public:
   // `pending`: entries of the journal since the last snapshot.
