@@ -18,28 +18,44 @@ void SharePayload(MapEdit& edit, const Atlas& mirror) {
 // Whether all fit.
 bool ApplyWhatFits(std::span<const MapEdit> edits, Atlas& atlas) {
   bool all_fit = true;
-  for (const MapEdit& edit : edits) all_fit = Apply(edit, atlas).has_value() && all_fit;
+  for (const MapEdit& edit : edits) all_fit = pangaea::Apply(edit, atlas).has_value() && all_fit;
   return all_fit;
 }
 
 }  // namespace
 
-bool ConfirmedAtlas::Take(const Envelope& envelope, const Atlas& mirror) {
+std::optional<std::vector<MapEdit>> ConfirmedAtlas::Apply(const Envelope& envelope, const Atlas& mirror, Atlas& atlas,
+                                                          bool& all_fit) const {
   auto edits = DecodeEdits(envelope.edits);
-  if (!edits) return false;
+  all_fit = false;
+  if (!edits) return std::nullopt;
   for (MapEdit& edit : *edits) SharePayload(edit, mirror);
-  Atlas changed = atlas_;
-  const bool all_fit = ApplyWhatFits(*edits, changed);
-  if (!all_fit && !corrected_) return false;
-  atlas_ = std::move(changed);
+  Atlas changed = atlas;
+  all_fit = ApplyWhatFits(*edits, changed);
+  if (!all_fit && !corrected_) return std::nullopt;
+  atlas = std::move(changed);
+  return std::move(*edits);
+}
+
+bool ConfirmedAtlas::Take(const Envelope& envelope, const Atlas& mirror) {
+  bool all_fit = false;
+  auto edits = Apply(envelope, mirror, atlas_, all_fit);
+  if (!edits) return false;
+  recent_edits_ += edits->size();
   recent_.push_back({envelope.sequence, std::move(*edits)});
-  if (recent_.size() > kMostRecent) AdvanceBase();
+  while (recent_edits_ > kMostRecentEdits) AdvanceBase();
   return all_fit;
+}
+
+bool ConfirmedAtlas::Expect(const Envelope& envelope, const Atlas& mirror, Atlas& atlas) const {
+  bool all_fit = false;
+  return Apply(envelope, mirror, atlas, all_fit) && all_fit;
 }
 
 void ConfirmedAtlas::AdvanceBase() {
   ApplyWhatFits(recent_.front().edits, base_);
   base_sequence_ = recent_.front().sequence;
+  recent_edits_ -= recent_.front().edits.size();
   recent_.pop_front();
 }
 

@@ -18,14 +18,17 @@ namespace pangaea {
 // two envelopes where the server made it.
 class ConfirmedAtlas {
  public:
-  // How many envelopes back a correction may have been made. Seconds pass between a correction's making and its
-  // absorption; that is some tens of envelopes.
-  static constexpr std::size_t kMostRecent = 1000;
+  // How many edits back a correction may have been made. Seconds pass between a correction's making and its absorption;
+  // these are a minute of mapping, and about 10 MB.
+  static constexpr std::size_t kMostRecentEdits = 60'000;
 
   // The next acknowledged envelope. False where it does not fit: without corrections the server cannot have taken it
   // either, and nothing is changed; with them, what fits is taken. Keyframes that `mirror` has too share their payload
   // with it.
   bool Take(const Envelope& envelope, const Atlas& mirror);
+
+  // What `atlas` becomes when the server takes the envelope as well, by the same rule. Whether it fits.
+  bool Expect(const Envelope& envelope, const Atlas& mirror, Atlas& atlas) const;
 
   // As it was after the envelope of this sequence (or the last before it that was taken); nothing where that is too
   // long ago.
@@ -42,6 +45,9 @@ class ConfirmedAtlas {
     std::vector<MapEdit> edits;
   };
 
+  // The edits that fit; nothing where the envelope does not count.
+  std::optional<std::vector<MapEdit>> Apply(const Envelope& envelope, const Atlas& mirror, Atlas& atlas,
+                                            bool& all_fit) const;
   void AdvanceBase();
 
   Atlas atlas_;
@@ -50,6 +56,7 @@ class ConfirmedAtlas {
   Atlas base_;
   std::uint64_t base_sequence_ = 0;
   std::deque<Taken> recent_;
+  std::size_t recent_edits_ = 0;
 };
 
 }  // namespace pangaea

@@ -88,11 +88,11 @@ Status EditStream::Repair() {
 }
 
 Atlas EditStream::Expected() {
-  ConfirmedAtlas expected = confirmed_;
+  Atlas expected = confirmed_.atlas();
   for (std::uint64_t sequence = retained_.acknowledged() + 1; sequence <= retained_.last_sequence(); ++sequence) {
-    if (const auto envelope = retained_.Find(sequence)) expected.Take(*envelope, planner_.mirror());
+    if (const auto envelope = retained_.Find(sequence)) confirmed_.Expect(*envelope, planner_.mirror(), expected);
   }
-  return expected.atlas();
+  return expected;
 }
 
 std::optional<Atlas> EditStream::BaseOf(const AgentCorrection& correction) {
