@@ -23,6 +23,7 @@ struct StatusOptions {
   bool watch = false;
   bool json = false;
   double timeout_seconds = 10.0;
+  double until_idle_seconds = 0.0;  // 0: does not wait for that
 };
 
 // The newest status that was not yet looked at.
@@ -60,15 +61,30 @@ Status Show(const AtlasStatus& status, const StatusOptions& options) {
   return {};
 }
 
+// Waits for a status of a server that has nothing more to recognise, weld or optimise, or until the time is over.
+Result<AtlasStatus> WaitUntilIdle(StatusInbox& inbox, AtlasStatus status, const StatusOptions& options) {
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + std::chrono::duration<double>(options.until_idle_seconds);
+  while (true) {
+    const auto under_way = IsUnderWay(status);
+    if (!under_way) return tl::make_unexpected(under_way.error());
+    const std::chrono::duration<double> left = end - Clock::now();
+    if (!*under_way || left.count() <= 0.0) return status;
+    if (auto newer = inbox.Wait(left)) status = std::move(*newer);
+  }
+}
+
 Status ShowWhatComes(StatusInbox& inbox, const StatusOptions& options) {
   do {
-    const auto status = inbox.Wait(std::chrono::duration<double>(options.timeout_seconds));
+    auto status = inbox.Wait(std::chrono::duration<double>(options.timeout_seconds));
     if (!status) {
       return Fail(ErrorCode::kUnavailable, "no server of site '" + options.site + "' in DDS domain " +
                                                std::to_string(options.domain.id) + " answers within " +
                                                std::to_string(options.timeout_seconds) + " s");
     }
-    if (auto shown = Show(*status, options); !shown) return shown;
+    const auto settled = WaitUntilIdle(inbox, *status, options);
+    if (!settled) return tl::make_unexpected(settled.error());
+    if (auto shown = Show(*settled, options); !shown) return shown;
   } while (options.watch);
   return {};
 }
@@ -102,6 +118,11 @@ CommandBody Declare(CLI::App& app) {
   app.add_option("--timeout", options->timeout_seconds, "Seconds to wait for a server (0.1 to 3600)")
       ->capture_default_str()
       ->check(CLI::Range(0.1, 3600.0));
+  app.add_option(
+         "--until-idle", options->until_idle_seconds,
+         "First wait until the server has nothing more to recognise, merge or optimise, at most so many seconds "
+         "(0 to 86400)")
+      ->check(CLI::Range(0.0, 86400.0));
   return [options] { return Run(*options); };
 }
 

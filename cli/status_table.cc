@@ -93,16 +93,39 @@ std::string Sessions(const json& status) {
   return Table(rows, 3);
 }
 
-}  // namespace
+bool IsUnderWayIn(const json& status) { return status.value("under_way", false); }
 
-Result<std::string> StatusTable(const AtlasStatus& status) {
+// What recognition, welding and optimisation did; nothing where the server has none of it.
+std::string WorkLines(const json& status) {
+  if (!status.contains("welds")) return {};
+  const json& welds = status["welds"];
+  std::string text = Count(welds, "merges") + " merges, " + Count(welds, "loops") + " loops, " +
+                     Count(welds, "refused") + " refused; " + (IsUnderWayIn(status) ? "at work" : "idle") + "\n";
+  const json& last = welds.value("last", json::array());
+  if (!last.empty()) text += "last: " + last.back().value("evidence", std::string()) + "\n";
+  return text;
+}
+
+// What `read` makes of the status's JSON; kCorrupt where it is not what this program reads.
+template <typename ReadJson>
+auto Read(const AtlasStatus& status, ReadJson&& read) -> Result<decltype(read(json()))> {
   try {
-    const json parsed = json::parse(status.json);
-    return Header(parsed) + StoreLine(parsed) + QueueLine(parsed) + "\n" + Maps(parsed) + "\n" + Sessions(parsed);
+    return read(json::parse(status.json));
   } catch (const json::exception& error) {
     return Fail(ErrorCode::kCorrupt,
                 std::string("the server's status is not what this program reads: ") + error.what());
   }
+}
+
+}  // namespace
+
+Result<bool> IsUnderWay(const AtlasStatus& status) { return Read(status, IsUnderWayIn); }
+
+Result<std::string> StatusTable(const AtlasStatus& status) {
+  return Read(status, [](const json& parsed) {
+    return Header(parsed) + StoreLine(parsed) + QueueLine(parsed) + WorkLines(parsed) + "\n" + Maps(parsed) + "\n" +
+           Sessions(parsed);
+  });
 }
 
 }  // namespace pangaea

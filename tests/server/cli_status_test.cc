@@ -62,6 +62,31 @@ TEST(StatusTable, ShowsWhatTheServerWrote) {
   }
 }
 
+TEST(StatusTable, ShowsWhatWasMergedAndWhetherTheServerIsAtWork) {
+  const AtlasStatus status{"hall", 1, 0, R"({"site": "hall", "under_way": true, "welds": {"merges": 2, "loops": 5,
+      "refused": 1, "last": [{"evidence": "109 matches"}]}})"};
+  const auto table = StatusTable(status);
+  ASSERT_TRUE(table) << table.error().message;
+  EXPECT_NE(table->find("2 merges, 5 loops, 1 refused; at work"), std::string::npos) << *table;
+  EXPECT_NE(table->find("last: 109 matches"), std::string::npos) << *table;
+}
+
+TEST(StatusTable, WorkIsUnderWayWhereTheStatusSaysSo) {
+  EXPECT_TRUE(IsUnderWay({"hall", 1, 0, R"({"under_way": true})"}).value());
+  EXPECT_FALSE(IsUnderWay({"hall", 1, 0, R"({"under_way": false})"}).value());
+  EXPECT_FALSE(IsUnderWay({"hall", 1, 0, "{}"}).value());
+  EXPECT_FALSE(IsUnderWay({"hall", 1, 0, R"({"under_way": 7})"}));
+}
+
+TEST(PangaeaStatus, WaitsUntilAServerIsIdle) {
+  UseOwnDiscoveryTag();
+  const TemporaryStore place;
+  const ServerProcess server({"--site", "cli", "--store", place.path().string(), "--log-level", "off"});
+  ::testing::internal::CaptureStdout();
+  EXPECT_EQ(RunPangaea({"status", "--site", "cli", "--json", "--timeout", "60", "--until-idle", "60"}), 0);
+  EXPECT_NE(::testing::internal::GetCapturedStdout().find("\"under_way\":false"), std::string::npos);
+}
+
 TEST(StatusTable, AStatusThatIsNoJsonOrOfAnotherShapeIsAnError) {
   EXPECT_FALSE(StatusTable({"hall", 1, 0, "{"}));
   EXPECT_FALSE(StatusTable({"hall", 1, 0, R"({"site": 7})"}));
