@@ -19,6 +19,9 @@ struct KeyframeDecisionOptions {
   double max_relative_distance = 0.18;
   // and turn of the optical axis, degrees. Beyond either a landmark's templates and descriptors age.
   double max_turn = 20.0;
+  // A keyframe whose view is as near as this share of the two limits shows the same already: the image is poorer here,
+  // and was so then. Without this a camera that goes to and fro in a known place would go on making keyframes.
+  double known_view = 0.5;
   // Frames between keyframes, unless tracking gets thin: neighbouring frames say nearly the same.
   int min_gap = 2;
   // With fewer landmarks tracked a keyframe is urgent: it may follow at once, even while mapping is busy.

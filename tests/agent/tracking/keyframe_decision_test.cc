@@ -8,6 +8,7 @@ namespace pangaea {
 namespace {
 
 constexpr double kNear = 0.3;
+constexpr double kOnTheWay = 0.7;
 constexpr double kFar = 1.2;
 
 TEST(KeyframeDecision, AStillCameraNeverNeedsAnother) {
@@ -17,9 +18,17 @@ TEST(KeyframeDecision, AStillCameraNeverNeedsAnother) {
 
 TEST(KeyframeDecision, IsDueWhenTheViewLeavesWhatWasCovered) {
   KeyframeDecision decision({});
+  EXPECT_FALSE(decision.IsDue({200, 60, 3.0}, kOnTheWay, false));
+  EXPECT_FALSE(decision.IsDue({200, 55, 3.0}, kOnTheWay, false));
+  EXPECT_TRUE(decision.IsDue({200, 40, 3.0}, kOnTheWay, false));
+}
+
+TEST(KeyframeDecision, WhereAKeyframeSeesNearlyTheSameOnlyUrgencyCallsForAnother) {
+  KeyframeDecision decision({});
   EXPECT_FALSE(decision.IsDue({200, 60, 3.0}, kNear, false));
-  EXPECT_FALSE(decision.IsDue({200, 55, 3.0}, kNear, false));
-  EXPECT_TRUE(decision.IsDue({200, 40, 3.0}, kNear, false));
+  EXPECT_FALSE(decision.IsDue({110, 30, 3.0}, kNear, false));
+  EXPECT_FALSE(decision.IsDue({110, 30, 3.0}, kNear, false));
+  EXPECT_TRUE(decision.IsDue({50, 20, 3.0}, kNear, false));
 }
 
 TEST(KeyframeDecision, IsDueFarFromAllOthers) {
