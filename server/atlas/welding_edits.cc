@@ -31,12 +31,13 @@ Result<std::vector<MapEdit>> WeldingEdits(const WeldingPlan& plan, const std::op
   return edits;
 }
 
-Result<std::vector<MapEdit>> CorrectionEdits(const Correction& correction, const std::vector<MapEdit>& removals,
-                                             const Atlas& current) {
+Result<std::vector<MapEdit>> OptimizationEdits(const OptimizedMap& optimized, const Atlas& current) {
   Atlas draft = current;
-  std::vector<MapEdit> edits;
-  if (!Append(correction, draft, edits)) return Fail(ErrorCode::kRefused, "the correction does not fit the atlas");
-  std::vector<MapEdit> removed = ApplyTolerantly(removals, draft);
+  std::vector<MapEdit> edits = ApplyTolerantly(optimized.joins, draft);
+  for (const Correction& correction : optimized.corrections) {
+    if (!Append(correction, draft, edits)) return Fail(ErrorCode::kRefused, "the correction does not fit the atlas");
+  }
+  std::vector<MapEdit> removed = ApplyTolerantly(optimized.removals, draft);
   std::move(removed.begin(), removed.end(), std::back_inserter(edits));
   return edits;
 }

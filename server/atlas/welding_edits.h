@@ -16,9 +16,14 @@ namespace pangaea {
 Result<std::vector<MapEdit>> WeldingEdits(const WeldingPlan& plan, const std::optional<Correction>& spread,
                                           const Atlas& current);
 
-// A correction and the removals that go with it, made of the atlas as it is now. An error where they do not fit.
-Result<std::vector<MapEdit>> CorrectionEdits(const Correction& correction, const std::vector<MapEdit>& removals,
-                                             const Atlas& current);
+// What an optimisation of a map found, against the snapshot it worked on; in the order in which it is applied.
+struct OptimizedMap {
+  std::vector<MapEdit> joins;           // of duplicates; they move nothing
+  std::vector<Correction> corrections;  // each against the atlas as those before made it
+  std::vector<MapEdit> removals;        // of what contradicts them
+};
+// The same of the atlas as it is now. An error where it does not fit.
+Result<std::vector<MapEdit>> OptimizationEdits(const OptimizedMap& optimized, const Atlas& current);
 
 // The atlas with a correction made of it: where a plan ends on the snapshot it was made on.
 Atlas Corrected(const Atlas& atlas, const Correction& correction);

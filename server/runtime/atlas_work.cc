@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/place/vocabulary_file.h"
+#include "server/atlas/map_optimization.h"
 
 namespace pangaea {
 
@@ -17,12 +18,14 @@ Result<std::unique_ptr<AtlasWork>> AtlasWork::Create(AtlasService& service, cons
 AtlasWork::AtlasWork(AtlasService& service, const WorkOptions& options,
                      std::shared_ptr<const VocabularyTree> vocabulary, Output output)
     : vocabulary_(std::move(vocabulary)), ledger_(std::move(output.progressed)) {
-  const auto optimize = [global = options.global](const Atlas& atlas, MapId map, const std::stop_token& stop) {
-    auto bundle = AdjustMap(atlas, map, global, stop);
-    if (!bundle) return std::optional<OptimizedMap>();
-    spdlog::debug("global bundle adjustment: {} observations, {} outliers, cost {:.4g} to {:.4g}, {} steps",
-                  bundle->observations, bundle->outliers, bundle->initial_cost, bundle->final_cost, bundle->iterations);
-    return std::optional(OptimizedMap{std::move(bundle->correction), std::move(bundle->removals)});
+  const auto optimize = [options = options.map](const Atlas& atlas, MapId map, const std::stop_token& stop) {
+    auto result = OptimizeMap(atlas, map, options, stop);
+    if (!result) return std::optional<OptimizedMap>();
+    const GlobalBundle& bundle = result->bundle;
+    spdlog::info("map {}: {} duplicates fused; {} observations, {} outliers, cost {:.4g} to {:.4g}, {} steps",
+                 ToString(map), result->fused, bundle.observations, bundle.outliers, bundle.initial_cost,
+                 bundle.final_cost, bundle.iterations);
+    return std::optional(std::move(result->optimized));
   };
   const auto finished = [this] { welding_->Notify(); };
   optimization_ = std::make_unique<OptimizationThread>(service, optimize, options.optimization, finished, ledger_);

@@ -5,7 +5,6 @@
 #include <string>
 #include <utility>
 
-#include "server/atlas/welding_edits.h"
 #include "server/runtime/stopwatch.h"
 #include "server/runtime/thread_priority.h"
 
@@ -111,7 +110,7 @@ void OptimizationThread::Optimize(const Atlas& snapshot, MapId map, const std::s
 
 void OptimizationThread::Propose(const OptimizedMap& optimized) {
   const auto rebase = [&optimized](const Atlas& current) {
-    return CorrectionEdits(optimized.correction, optimized.removals, current);
+    return OptimizationEdits(optimized, current);
   };
   const auto answer = service_.ProposeAndWait({{"optimization"}, rebase});
   if (!answer) spdlog::warn("the result of a global bundle adjustment was not taken: {}", answer.error().message);

@@ -8,18 +8,12 @@
 
 #include "common/base/mutex.h"
 #include "server/atlas/optimization_agenda.h"
-#include "server/optimization/correction.h"
+#include "server/atlas/welding_edits.h"
 #include "server/runtime/atlas_service.h"
 #include "server/runtime/bell.h"
 #include "server/runtime/work_report.h"
 
 namespace pangaea {
-
-// What an optimisation of a map found, against the snapshot it worked on.
-struct OptimizedMap {
-  Correction correction;
-  std::vector<MapEdit> removals;  // of what contradicts it
-};
 
 // Runs the global bundle adjustments, one at a time, at the lowest priority, each on a snapshot. A weld in its map
 // cancels the running one; its successor starts from what the weld made.

@@ -108,7 +108,7 @@ void WeldingThread::WeldMerge(const PlaceMatch& match, const WeldingPlan& plan, 
   Welded(match, plan, answer->cause, watch.milliseconds());
   const auto spread = Spread(plan, stop);
   if (!spread) return;
-  const auto rebase = [&spread](const Atlas& current) { return CorrectionEdits(*spread, {}, current); };
+  const auto rebase = [&spread](const Atlas& current) { return OptimizationEdits({{}, {*spread}, {}}, current); };
   const auto spread_out = service_.ProposeAndWait({answer->cause, rebase});
   if (!spread_out) spdlog::warn("{}: no pose graph: {}", answer->cause.Text(), spread_out.error().message);
 }

@@ -11,7 +11,7 @@ Status WorkOptions::Check() const {
   if (auto status = fusion.Check(); !status) return status;
   if (auto status = pose_graph.Check(); !status) return status;
   if (auto status = optimization.Check(); !status) return status;
-  return global.Check();
+  return map.Check();
 }
 
 void ReadWork(ConfigReader& reader, WorkOptions& options) {
@@ -28,8 +28,8 @@ void ReadWork(ConfigReader& reader, WorkOptions& options) {
   reader.Read("fusion.min_common_landmarks", &options.fusion.judgement.min_common_landmarks, Range{10, 1000});
   reader.Read("fusion.max_cost_growth", &options.fusion.judgement.max_cost_growth, Range{1.0, 100.0});
   reader.Read("optimization.growth", &options.optimization.growth, Range{0.01, 10.0});
-  reader.Read("optimization.max_seconds", &options.global.max_seconds, Range{0.0, 86'400.0});
-  reader.Read("optimization.threads", &options.global.threads, Range{1, 256});
+  reader.Read("optimization.max_seconds", &options.map.bundle.max_seconds, Range{0.0, 86'400.0});
+  reader.Read("optimization.threads", &options.map.bundle.threads, Range{1, 256});
   reader.Read("optimization.patience", &options.optimization.patience, Range{1, 100});
 }
 

@@ -5,10 +5,10 @@
 #include "common/base/config.h"
 #include "common/base/result.h"
 #include "server/atlas/lookup_agenda.h"
+#include "server/atlas/map_optimization.h"
 #include "server/atlas/optimization_agenda.h"
 #include "server/atlas/welding_agenda.h"
 #include "server/fusion/fusion_options.h"
-#include "server/optimization/global_bundle_adjustment.h"
 #include "server/optimization/pose_graph.h"
 #include "server/place_recognition/place_recognition_options.h"
 
@@ -25,7 +25,7 @@ struct WorkOptions {
   FusionOptions fusion{};
   PoseGraphOptions pose_graph{};
   OptimizationAgendaOptions optimization{};
-  GlobalBundleOptions global{};
+  MapOptimizationOptions map{};
 
   Status Check() const;
 };

@@ -56,8 +56,8 @@ TEST(ServerOptions, TheShippedFileHoldsTheDefaultsOfWhatTheServerDoesByItself) {
   work.fusion.judgement.min_common_landmarks = 10;
   work.fusion.judgement.max_cost_growth = 99;
   work.optimization = {.growth = 9.0, .patience = 99};
-  work.global.max_seconds = 1;
-  work.global.threads = 9;
+  work.map.bundle.max_seconds = 1;
+  work.map.bundle.threads = 9;
   shipped.service.retention = {9, 9};
   ASSERT_TRUE(LoadServerOptions(PANGAEA_SOURCE_DIR "/config/server.yaml", shipped));
   const WorkOptions defaults;
@@ -73,8 +73,8 @@ TEST(ServerOptions, TheShippedFileHoldsTheDefaultsOfWhatTheServerDoesByItself) {
   EXPECT_EQ(work.fusion.judgement.max_cost_growth, defaults.fusion.judgement.max_cost_growth);
   EXPECT_EQ(work.optimization.growth, defaults.optimization.growth);
   EXPECT_EQ(work.optimization.patience, defaults.optimization.patience);
-  EXPECT_EQ(work.global.max_seconds, defaults.global.max_seconds);
-  EXPECT_EQ(work.global.threads, defaults.global.threads);
+  EXPECT_EQ(work.map.bundle.max_seconds, defaults.map.bundle.max_seconds);
+  EXPECT_EQ(work.map.bundle.threads, defaults.map.bundle.threads);
   EXPECT_EQ(shipped.service.retention.snapshots, SnapshotRetention().snapshots);
   EXPECT_EQ(shipped.service.retention.journal_bytes, SnapshotRetention().journal_bytes);
 }

@@ -1,0 +1,30 @@
+#include "server/atlas/map_optimization.h"
+
+#include <utility>
+
+#include "common/map/spanning_tree.h"
+
+namespace pangaea {
+
+Status MapOptimizationOptions::Check() const {
+  if (auto status = fusion.Check(); !status) return status;
+  return bundle.Check();
+}
+
+std::optional<MapOptimization> OptimizeMap(const Atlas& snapshot, MapId map, const MapOptimizationOptions& options,
+                                           const std::stop_token& stop) {
+  MapFusion fusion = FuseDuplicates(snapshot, map, ParentsFirst(snapshot, map), options.fusion, stop);
+  const Atlas fused = Corrected(fusion.correction.base, fusion.correction);
+  auto bundle = AdjustMap(fused, map, options.bundle, stop);
+  if (!bundle) return std::nullopt;
+  MapOptimization result;
+  result.fused = fusion.fused;
+  result.optimized.joins = std::move(fusion.edits);
+  result.optimized.corrections.push_back(std::move(fusion.correction));
+  result.optimized.corrections.push_back(std::move(bundle->correction));
+  result.optimized.removals = std::move(bundle->removals);
+  result.bundle = std::move(*bundle);
+  return result;
+}
+
+}  // namespace pangaea
