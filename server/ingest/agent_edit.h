@@ -6,10 +6,11 @@
 
 namespace pangaea {
 
-// Applies an agent's edit to an atlas that the server itself has changed meanwhile, which the agent cannot know yet:
-// where both say different things of one keypoint or landmark, the server's word stands and the edit changes nothing.
-// A new landmark at a keypoint that shows one by now is that one: its id forwards to it. Everything else is as in
-// Apply. Recovery and undo apply what is in the journal in the same way.
+// Applies an agent's edit to an atlas that the server itself has changed meanwhile, which the agent cannot know yet.
+// Most of what they say of the same thing at the same time the edits themselves reconcile (AddObservation, AddLandmark);
+// here goes what would be a mistake had the server changed nothing: a landmark said anew that was fused into another,
+// and relations between what is in two maps again. Such an edit changes nothing. Recovery and undo apply what is in the
+// journal in the same way.
 Status ApplyAgentEdit(const MapEdit& edit, Atlas& atlas);
 
 }  // namespace pangaea

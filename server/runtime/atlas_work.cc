@@ -2,12 +2,27 @@
 
 #include <spdlog/spdlog.h>
 
+#include <set>
 #include <utility>
 
 #include "common/place/vocabulary_file.h"
 #include "server/atlas/map_optimization.h"
+#include "server/fusion/redundancy.h"
 
 namespace pangaea {
+namespace {
+
+// What agents that live work on.
+std::set<KeyframeId> KeyframesInUse(const IngestState& state) {
+  std::set<KeyframeId> keyframes;
+  for (const auto& [id, session] : state.sessions) {
+    if (!session.alive()) continue;
+    state.atlas.ForEachKeyframe(id, [&keyframes](const Keyframe& keyframe) { keyframes.insert(keyframe.id); });
+  }
+  return keyframes;
+}
+
+}  // namespace
 
 Result<std::unique_ptr<AtlasWork>> AtlasWork::Create(AtlasService& service, const WorkOptions& options, Output output) {
   auto vocabulary = OpenVocabulary(options.vocabulary.string());
@@ -27,8 +42,15 @@ AtlasWork::AtlasWork(AtlasService& service, const WorkOptions& options,
                  bundle.final_cost, bundle.iterations);
     return std::optional(std::move(result->optimized));
   };
+  const auto tidy = [options](const IngestState& state, const std::stop_token& stop) {
+    if (options.max_bytes == 0) return std::vector<MapEdit>();
+    RedundancyOptions redundancy = options.redundancy;
+    redundancy.max_bytes = options.max_bytes;
+    return PlanCulling(state.atlas, KeyframesInUse(state), redundancy, stop);
+  };
   const auto finished = [this] { welding_->Notify(); };
-  optimization_ = std::make_unique<OptimizationThread>(service, optimize, options.optimization, finished, ledger_);
+  optimization_ = std::make_unique<OptimizationThread>(service, OptimizationThread::Jobs{optimize, tidy},
+                                                       options.optimization, finished, ledger_);
   OptimizationThread& optimization = *optimization_;
   const WeldingThread::Links links{
       std::move(output.report),

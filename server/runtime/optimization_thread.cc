@@ -15,14 +15,9 @@ constexpr int kNice = 19;
 
 }  // namespace
 
-OptimizationThread::OptimizationThread(AtlasService& service, Optimizer optimizer,
-                                       const OptimizationAgendaOptions& options, std::function<void()> finished,
-                                       WorkLedger& ledger)
-    : service_(service),
-      optimizer_(std::move(optimizer)),
-      finished_(std::move(finished)),
-      ledger_(ledger),
-      agenda_(options) {}
+OptimizationThread::OptimizationThread(AtlasService& service, Jobs jobs, const OptimizationAgendaOptions& options,
+                                       std::function<void()> finished, WorkLedger& ledger)
+    : service_(service), jobs_(std::move(jobs)), finished_(std::move(finished)), ledger_(ledger), agenda_(options) {}
 
 void OptimizationThread::Start() {
   thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
@@ -56,7 +51,10 @@ void OptimizationThread::Run(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       const auto state = service_.State();
       const auto map = Begin(state->ingest.atlas);
-      if (!map) break;
+      if (!map) {
+        Tidy(state->ingest, stop);
+        break;
+      }
       Optimize(state->ingest.atlas, *map, stop);
       finished_();
     }
@@ -85,7 +83,7 @@ void OptimizationThread::Optimize(const Atlas& snapshot, MapId map, const std::s
   }
   const std::stop_callback end(stop, [&running] { running.request_stop(); });
   const Stopwatch watch;
-  const auto optimized = optimizer_(snapshot, map, running.get_token());
+  const auto optimized = jobs_.optimize(snapshot, map, running.get_token());
   const double milliseconds = watch.milliseconds();
   const bool cancelled = running.stop_requested();
   if (optimized && !cancelled) Propose(*optimized);
@@ -109,11 +107,28 @@ void OptimizationThread::Optimize(const Atlas& snapshot, MapId map, const std::s
 }
 
 void OptimizationThread::Propose(const OptimizedMap& optimized) {
-  const auto rebase = [&optimized](const Atlas& current) {
-    return OptimizationEdits(optimized, current);
-  };
+  const auto rebase = [&optimized](const Atlas& current) { return OptimizationEdits(optimized, current); };
   const auto answer = service_.ProposeAndWait({{"optimization"}, rebase});
   if (!answer) spdlog::warn("the result of a global bundle adjustment was not taken: {}", answer.error().message);
+}
+
+void OptimizationThread::Tidy(const IngestState& snapshot, const std::stop_token& stop) {
+  if (snapshot.atlas.keyframe_count() <= tidied_keyframes_) return;
+  tidied_keyframes_ = snapshot.atlas.keyframe_count();
+  const std::vector<MapEdit> edits = jobs_.tidy(snapshot, stop);
+  if (edits.empty()) return;
+  EditsProposed proposal;
+  proposal.cause.kind = "culling";
+  proposal.make = [&edits](const Atlas& current) {
+    Atlas draft = current;
+    return Result<std::vector<MapEdit>>(ApplyTolerantly(edits, draft));
+  };
+  proposal.event =
+      AtlasEvent{{}, AtlasEventKind::kCulled, std::to_string(edits.size()) + " keyframes and landmarks", 0, 0};
+  const auto answer = service_.ProposeAndWait(std::move(proposal));
+  if (!answer) return spdlog::warn("nothing was culled: {}", answer.error().message);
+  tidied_keyframes_ = service_.State()->ingest.atlas.keyframe_count();
+  ledger_.Write([&](WorkReport& report) { report.culled += answer->edits; });
 }
 
 }  // namespace pangaea

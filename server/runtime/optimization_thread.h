@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <optional>
 #include <stop_token>
@@ -21,8 +22,14 @@ class OptimizationThread {
  public:
   // A long computation on a snapshot; nothing when the stop was requested, or when it found nothing better.
   using Optimizer = std::function<std::optional<OptimizedMap>(const Atlas& snapshot, MapId map, std::stop_token stop)>;
+  // What the atlas can do without; nothing while there is room for all of it.
+  using Tidier = std::function<std::vector<MapEdit>(const IngestState& snapshot, std::stop_token stop)>;
+  struct Jobs {
+    Optimizer optimize;
+    Tidier tidy;
+  };
   // `finished`: a bundle adjustment came to its end or was cancelled. Called on its thread.
-  OptimizationThread(AtlasService& service, Optimizer optimizer, const OptimizationAgendaOptions& options,
+  OptimizationThread(AtlasService& service, Jobs jobs, const OptimizationAgendaOptions& options,
                      std::function<void()> finished, WorkLedger& ledger);
   ~OptimizationThread() { Stop(); }
 
@@ -42,15 +49,17 @@ class OptimizationThread {
   std::optional<MapId> Begin(const Atlas& atlas) EXCLUDES(mutex_);
   void Optimize(const Atlas& snapshot, MapId map, const std::stop_token& stop);
   void Propose(const OptimizedMap& optimized);
+  void Tidy(const IngestState& snapshot, const std::stop_token& stop);
 
   AtlasService& service_;
-  const Optimizer optimizer_;
+  const Jobs jobs_;
   const std::function<void()> finished_;
   WorkLedger& ledger_;
   Bell bell_;
   mutable Mutex mutex_;
   OptimizationAgenda agenda_ GUARDED_BY(mutex_);
   std::stop_source running_ GUARDED_BY(mutex_);
+  std::size_t tidied_keyframes_ = 0;  // there were when it was tidied; of the thread
   std::jthread thread_;
 };
 

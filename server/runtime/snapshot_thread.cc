@@ -90,6 +90,7 @@ void SnapshotThread::Write(const Order& order, const std::stop_token& stop) {
   }
   MutexLock lock(mutex_);
   if (!order.keep) due_ordered_ = false;
+  if (!status && stop.stop_requested()) return;  // given up: no error
   report_.error = status ? std::string() : status.error().message;
   if (!status || order.keep) return;
   report_.position = order.position;

@@ -11,7 +11,8 @@ Status WorkOptions::Check() const {
   if (auto status = fusion.Check(); !status) return status;
   if (auto status = pose_graph.Check(); !status) return status;
   if (auto status = optimization.Check(); !status) return status;
-  return map.Check();
+  if (auto status = map.Check(); !status) return status;
+  return redundancy.Check();
 }
 
 void ReadWork(ConfigReader& reader, WorkOptions& options) {
@@ -30,6 +31,11 @@ void ReadWork(ConfigReader& reader, WorkOptions& options) {
   reader.Read("optimization.growth", &options.optimization.growth, Range{0.01, 10.0});
   reader.Read("optimization.max_seconds", &options.map.bundle.max_seconds, Range{0.0, 86'400.0});
   reader.Read("optimization.threads", &options.map.bundle.threads, Range{1, 256});
+  std::size_t mebibytes = options.max_bytes >> 20U;
+  reader.Read("redundancy.max_mib", &mebibytes, Range{0, 1 << 30});
+  options.max_bytes = mebibytes << 20U;
+  reader.Read("redundancy.share", &options.redundancy.redundant_share, Range{0.1, 1.0});
+  reader.Read("redundancy.other_observers", &options.redundancy.other_observers, Range{1, 100});
   reader.Read("optimization.patience", &options.optimization.patience, Range{1, 100});
 }
 

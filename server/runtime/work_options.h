@@ -9,6 +9,7 @@
 #include "server/atlas/optimization_agenda.h"
 #include "server/atlas/welding_agenda.h"
 #include "server/fusion/fusion_options.h"
+#include "server/fusion/redundancy.h"
 #include "server/optimization/pose_graph.h"
 #include "server/place_recognition/place_recognition_options.h"
 
@@ -26,6 +27,9 @@ struct WorkOptions {
   PoseGraphOptions pose_graph{};
   OptimizationAgendaOptions optimization{};
   MapOptimizationOptions map{};
+  RedundancyOptions redundancy{};
+  // Keyframes and landmarks may take so many bytes of memory; beyond, what is redundant is culled. 0: nothing is.
+  std::size_t max_bytes = 0;
 
   Status Check() const;
 };

@@ -14,8 +14,8 @@
 namespace pangaea {
 namespace {
 
-// Sizes of a transaction: about 2 MB, a few milliseconds for which an append may have to wait.
-constexpr std::size_t kPayloadsPerTransaction = 32;
+// Sizes of a transaction: about 1 MB, a few milliseconds for which an append may have to wait.
+constexpr std::size_t kPayloadsPerTransaction = 16;
 constexpr std::size_t kChunkBytes = 1U << 20;
 constexpr int kRowsPerDeletion = 16;
 

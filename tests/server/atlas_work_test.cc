@@ -55,8 +55,8 @@ class WorkingServer {
  public:
   explicit WorkingServer(const std::filesystem::path& store, const WorkOptions& options = {})
       : harness_(store, {}, [this] { Changed(); }) {
-    auto created = AtlasWork::Create(
-        service(), options, {[this](const AtlasEvent& event) { harness_.OnEvent(event); }, [] {}});
+    auto created =
+        AtlasWork::Create(service(), options, {[this](const AtlasEvent& event) { harness_.OnEvent(event); }, [] {}});
     EXPECT_TRUE(created) << created.error().message;
     work_ = std::move(*created);
     work_->Start();
@@ -150,6 +150,30 @@ class FakeOptimizer {
   int begun_ GUARDED_BY(mutex_) = 0;
 };
 
+std::vector<MapEdit> KeepAll(const IngestState&, const std::stop_token&) { return {}; }
+
+TEST(OptimizationThread, WhatIsRedundantIsCulledOnceAsTheServersOwnEdit) {
+  const TemporaryStore place;
+  ServiceHarness harness(place.path());
+  Flight flight(kAnna);
+  harness.Send(flight.Next());
+  harness.WaitForAck(kAnna, 1);
+  WorkLedger ledger;
+  const auto tidy = [](const IngestState&, const std::stop_token&) {
+    return std::vector<MapEdit>{RemoveLandmark{L(1)}, RemoveKeyframe{K(4711)}};
+  };
+  OptimizationThread thread(
+      *harness.service,
+      {[](const Atlas&, MapId, const std::stop_token&) { return std::optional<OptimizedMap>(); }, tidy}, {}, [] {},
+      ledger);
+  thread.Start();
+  thread.Notify();
+  harness.WaitForEvent(AtlasEventKind::kCulled);
+  thread.Stop();
+  EXPECT_EQ(harness.service->State()->ingest.atlas.FindLandmark(L(1)), nullptr);
+  EXPECT_EQ(ledger.Read().culled, 1u) << "what was not there is left out";
+}
+
 TEST(OptimizationThread, WeldsCancelTheRunningOneWhichIsLaunchedAgain) {
   const TemporaryStore place;
   ServiceHarness harness(place.path());
@@ -160,8 +184,8 @@ TEST(OptimizationThread, WeldsCancelTheRunningOneWhichIsLaunchedAgain) {
   FakeOptimizer optimizer;
   WorkLedger ledger;
   OptimizationThread thread(
-      *harness.service, [&](const Atlas&, MapId, const std::stop_token& stop) { return optimizer(stop); }, {}, [] {},
-      ledger);
+      *harness.service, {[&](const Atlas&, MapId, const std::stop_token& stop) { return optimizer(stop); }, KeepAll},
+      {}, [] {}, ledger);
   thread.Start();
   thread.Welded(M(1), {});
   optimizer.WaitForBegin(1);
@@ -182,8 +206,8 @@ TEST(OptimizationThread, StoppingGivesUpWhatRuns) {
   FakeOptimizer optimizer;
   WorkLedger ledger;
   OptimizationThread thread(
-      *harness.service, [&](const Atlas&, MapId, const std::stop_token& stop) { return optimizer(stop); }, {}, [] {},
-      ledger);
+      *harness.service, {[&](const Atlas&, MapId, const std::stop_token& stop) { return optimizer(stop); }, KeepAll},
+      {}, [] {}, ledger);
   thread.Start();
   thread.Welded(M(1), {});
   optimizer.WaitForBegin(1);

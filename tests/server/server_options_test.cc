@@ -58,6 +58,10 @@ TEST(ServerOptions, TheShippedFileHoldsTheDefaultsOfWhatTheServerDoesByItself) {
   work.optimization = {.growth = 9.0, .patience = 99};
   work.map.bundle.max_seconds = 1;
   work.map.bundle.threads = 9;
+  work.max_bytes = 1;
+  work.redundancy.redundant_share = 0.2;
+  work.redundancy.other_observers = 9;
+  shipped.guests = {.wanted = 9, .new_at_once = 9};
   shipped.service.retention = {9, 9};
   ASSERT_TRUE(LoadServerOptions(PANGAEA_SOURCE_DIR "/config/server.yaml", shipped));
   const WorkOptions defaults;
@@ -75,6 +79,11 @@ TEST(ServerOptions, TheShippedFileHoldsTheDefaultsOfWhatTheServerDoesByItself) {
   EXPECT_EQ(work.optimization.patience, defaults.optimization.patience);
   EXPECT_EQ(work.map.bundle.max_seconds, defaults.map.bundle.max_seconds);
   EXPECT_EQ(work.map.bundle.threads, defaults.map.bundle.threads);
+  EXPECT_EQ(work.max_bytes, defaults.max_bytes);
+  EXPECT_EQ(work.redundancy.redundant_share, defaults.redundancy.redundant_share);
+  EXPECT_EQ(work.redundancy.other_observers, defaults.redundancy.other_observers);
+  EXPECT_EQ(shipped.guests.wanted, GuestOptions().wanted);
+  EXPECT_EQ(shipped.guests.new_at_once, GuestOptions().new_at_once);
   EXPECT_EQ(shipped.service.retention.snapshots, SnapshotRetention().snapshots);
   EXPECT_EQ(shipped.service.retention.journal_bytes, SnapshotRetention().journal_bytes);
 }
