@@ -57,6 +57,20 @@ std::size_t EditDistance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+// The items of a list, or those of its rows where all of it are lists.
+std::vector<YAML::Node> ItemsOf(const YAML::Node& list) {
+  const bool has_rows = std::all_of(list.begin(), list.end(), [](const auto& row) { return row.IsSequence(); });
+  std::vector<YAML::Node> items;
+  for (const auto& row : list) {
+    if (has_rows) {
+      for (const auto& item : row) items.push_back(item);
+    } else {
+      items.push_back(row);
+    }
+  }
+  return items;
+}
+
 bool IsBelow(std::string_view path, std::string_view section) {
   return path.size() > section.size() && path.starts_with(section) && path[section.size()] == '.';
 }
@@ -203,13 +217,13 @@ void ConfigReader::RequireList(std::string_view key, std::vector<double>* values
   const Entry* entry = document_->Look(key, Presence::kRequired, allowed);
   if (entry == nullptr) return;
   if (!entry->value.IsSequence()) return document_->Refuse(*entry, "", allowed);
-  const std::size_t size = entry->value.size();
-  if (std::ranges::find(counts, size) == counts.end()) {
+  const std::vector<YAML::Node> items = ItemsOf(entry->value);
+  if (std::ranges::find(counts, items.size()) == counts.end()) {
     return document_->AddError(entry->line,
-                               entry->path + " has " + std::to_string(size) + " numbers; allowed: " + allowed);
+                               entry->path + " has " + std::to_string(items.size()) + " numbers; allowed: " + allowed);
   }
   std::vector<double> numbers;
-  for (const auto& item : entry->value) {
+  for (const YAML::Node& item : items) {
     const std::string text = item.IsScalar() ? item.Scalar() : "?";
     const auto number = ParseNumber(text);
     if (!number || !Within(*number, range)) {

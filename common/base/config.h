@@ -62,7 +62,7 @@ class ConfigReader {
     ReadArithmetic(key, value, range, Presence::kRequired);
   }
   void Require(std::string_view key, std::string* value) { ReadText(key, value, Presence::kRequired); }
-  // A list of as many numbers as one of `counts` says, each in the range.
+  // A list of as many numbers as one of `counts` says, each in the range. A matrix may be written as a list of rows.
   void RequireList(std::string_view key, std::vector<double>* values, std::initializer_list<std::size_t> counts,
                    Range<double> range);
 

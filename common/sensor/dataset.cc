@@ -4,6 +4,7 @@
 
 #include "common/sensor/euroc_dataset.h"
 #include "common/sensor/kitti_dataset.h"
+#include "common/sensor/tum_rgbd_dataset.h"
 
 namespace pangaea {
 namespace {
@@ -11,13 +12,14 @@ namespace {
 // One way to lay out a recording on disk. A new layout is a new line here.
 struct Layout {
   bool (*recognises)(const std::filesystem::path&);
-  Result<Dataset> (*open)(const std::filesystem::path&, SensorKind);
+  Result<Dataset> (*open)(const std::filesystem::path& folder, SensorKind, const std::filesystem::path& calibration);
   const char* description;
 };
 
 constexpr std::array kLayouts = {
-    Layout{&IsEurocDataset, &OpenEurocDataset, "EuRoC (a folder with mav0/cam0/data.csv)"},
+    Layout{&IsEurocDataset, &OpenEurocDataset, "EuRoC and TUM-VI (a folder with mav0/cam0/data.csv)"},
     Layout{&IsKittiDataset, &OpenKittiDataset, "KITTI odometry (a folder with calib.txt, times.txt and image_0)"},
+    Layout{&IsTumRgbdDataset, &OpenTumRgbdDataset, "TUM RGB-D (a folder with rgb.txt and rgb)"},
 };
 
 // "a/b/" names b like "a/b" does.
@@ -28,14 +30,15 @@ std::filesystem::path WithoutTrailingSlash(const std::filesystem::path& folder) 
 
 }  // namespace
 
-Result<Dataset> OpenDataset(const std::filesystem::path& folder, SensorKind kind) {
+Result<Dataset> OpenDataset(const std::filesystem::path& folder, SensorKind kind,
+                            const std::filesystem::path& calibration) {
   std::error_code error;
   if (!std::filesystem::is_directory(folder, error)) {
     return Fail(ErrorCode::kNotFound, folder.string() + ": there is no such folder");
   }
   std::string known;
   for (const Layout& layout : kLayouts) {
-    if (layout.recognises(folder)) return layout.open(WithoutTrailingSlash(folder), kind);
+    if (layout.recognises(folder)) return layout.open(WithoutTrailingSlash(folder), kind, calibration);
     known += (known.empty() ? "" : "; ") + std::string(layout.description);
   }
   return Fail(ErrorCode::kUnsupported, folder.string() + ": not a dataset of a known layout; known are: " + known);

@@ -22,7 +22,7 @@ struct DatasetFrame {
 // A recorded sequence: everything but the pixels.
 struct Dataset {
   std::string name;    // of its folder
-  std::string layout;  // "EuRoC" or "KITTI"
+  std::string layout;  // "EuRoC", "TUM-VI", "KITTI" or "TUM RGB-D"
   CameraRig rig;
   std::vector<DatasetFrame> frames;       // ascending by stamp, stamps differ
   std::vector<StampedPose> ground_truth;  // of the body; ascending by stamp; empty where the dataset has none
@@ -32,7 +32,9 @@ struct Dataset {
 
 // Recognises the layout of a folder and reads its calibration, frame list and ground truth. Frames that are out of
 // order, or have no partner in the other camera, are left out with one warning and a count each; a calibration that is
-// missing or impossible is an error with file, line, key and allowed range.
-Result<Dataset> OpenDataset(const std::filesystem::path& folder, SensorKind kind);
+// missing or impossible is an error with file, line, key and allowed range. `calibration` (camera_chain.h) takes the
+// place of the folder's own, unless it is empty.
+Result<Dataset> OpenDataset(const std::filesystem::path& folder, SensorKind kind,
+                            const std::filesystem::path& calibration = {});
 
 }  // namespace pangaea

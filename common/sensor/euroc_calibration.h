@@ -12,7 +12,6 @@ namespace pangaea {
 struct EurocCamera {
   LensModel lens;
   Rigid3d body_from_camera;
-  std::filesystem::path file;
 };
 
 Result<EurocCamera> ReadEurocCamera(const std::filesystem::path& sensor_yaml);

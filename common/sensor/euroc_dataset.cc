@@ -1,14 +1,13 @@
 #include "common/sensor/euroc_dataset.h"
 
 #include <array>
-#include <optional>
 #include <string>
-#include <string_view>
+#include <utility>
 
-#include "common/base/text.h"
+#include "common/sensor/camera_chain.h"
 #include "common/sensor/euroc_calibration.h"
 #include "common/sensor/frame_list.h"
-#include "common/sensor/image.h"
+#include "common/sensor/recording_tables.h"
 
 namespace pangaea {
 namespace {
@@ -18,113 +17,75 @@ namespace fs = std::filesystem;
 // Cameras that are triggered together differ by far less, frames by far more.
 constexpr std::int64_t kPairTolerance_ns = 2'000'000;
 constexpr std::array kTruthFolders = {"state_groundtruth_estimate0", "mocap0"};
-constexpr std::size_t kTruthFields = 8;  // stamp, position, quaternion with w first; what follows is not used
-
-// Counts the rows of a file that make no sense, and says so once.
-class MalformedRows {
- public:
-  void Add(int line) {
-    if (count_++ == 0) first_ = line;
-  }
-  void Warn(const fs::path& file, std::vector<std::string>& warnings) const {
-    if (count_ == 0) return;
-    warnings.push_back(file.string() + ": " + std::to_string(count_) +
-                       " malformed rows were skipped (the first is line " + std::to_string(first_) + ")");
-  }
-
- private:
-  std::size_t count_ = 0;
-  int first_ = 0;
-};
-
-bool IsData(std::string_view line) { return !line.empty() && line.front() != '#'; }
 
 fs::path RootOf(const fs::path& folder) {
   std::error_code error;
   return fs::is_directory(folder / "mav0", error) ? folder / "mav0" : folder;
 }
 
-Result<std::vector<StampedFile>> ReadImageList(const fs::path& camera_folder, std::vector<std::string>& warnings) {
-  const fs::path file = camera_folder / "data.csv";
-  const auto text = ReadTextFile(file);
-  if (!text) return tl::make_unexpected(text.error());
-  std::vector<StampedFile> images;
-  MalformedRows malformed;
-  ForEachLine(*text, [&](int number, std::string_view line) {
-    if (!IsData(line)) return;
-    const auto fields = SplitFields(line, ',');
-    const auto stamp = ParseInteger(fields[0]);
-    if (!stamp || *stamp < 0 || fields.size() < 2 || fields[1].empty()) return malformed.Add(number);
-    images.push_back({*stamp, camera_folder / "data" / fields[1]});
-  });
-  malformed.Warn(file, warnings);
-  if (images.empty()) return Fail(ErrorCode::kCorrupt, file.string() + ": lists no images");
-  return KeepAscending(std::move(images), file.string(), warnings);
+// The cameras and the file that each of them is described in.
+struct Calibration {
+  CameraRig rig;
+  fs::path left_file;
+  fs::path right_file;
+  bool is_chain = false;
+};
+
+Result<Calibration> ReadChain(const fs::path& file, SensorKind kind) {
+  auto rig = ReadCameraChain(file, kind);
+  if (!rig) return tl::make_unexpected(rig.error());
+  return Calibration{std::move(*rig), file, file, true};
 }
 
-std::optional<StampedPose> ParseTruth(std::string_view line) {
-  const auto fields = SplitFields(line, ',');
-  if (fields.size() < kTruthFields) return std::nullopt;
-  const auto stamp = ParseInteger(fields[0]);
-  std::array<double, kTruthFields - 1> numbers{};
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const auto number = ParseNumber(fields[i + 1]);
-    if (!number) return std::nullopt;
-    numbers[i] = *number;
+Result<Calibration> ReadCalibration(const fs::path& root, SensorKind kind, const fs::path& given) {
+  if (!given.empty()) return ReadChain(given, kind);
+  Calibration calibration;
+  calibration.left_file = root / "cam0" / "sensor.yaml";
+  calibration.right_file = root / "cam1" / "sensor.yaml";
+  const fs::path chain = root.parent_path() / "dso" / "camchain.yaml";
+  std::error_code error;
+  if (!fs::exists(calibration.left_file, error) && fs::exists(chain, error)) return ReadChain(chain, kind);
+  const auto left = ReadEurocCamera(calibration.left_file);
+  if (!left) return tl::make_unexpected(left.error());
+  calibration.rig.left = left->lens;
+  calibration.rig.body_from_left = left->body_from_camera;
+  if (kind == SensorKind::kMonocular) return calibration;
+  const auto right = ReadEurocCamera(calibration.right_file);
+  if (!right) return tl::make_unexpected(right.error());
+  calibration.rig.right = right->lens;
+  calibration.rig.body_from_right = right->body_from_camera;
+  return calibration;
+}
+
+Result<std::vector<StampedFile>> ListImages(const fs::path& folder, const LensModel& lens, const fs::path& calibration,
+                                            std::vector<std::string>& warnings) {
+  auto images = ReadImageTable(folder / "data.csv", kEurocTables, folder / "data", "", warnings);
+  if (!images) return images;
+  if (auto status = CheckImageSizes(*images, lens, calibration); !status) return tl::make_unexpected(status.error());
+  return images;
+}
+
+Status ListFrames(const fs::path& root, const Calibration& calibration, Dataset& dataset) {
+  const CameraRig& rig = calibration.rig;
+  const auto left = ListImages(root / "cam0", rig.left, calibration.left_file, dataset.warnings);
+  if (!left) return tl::make_unexpected(left.error());
+  if (!rig.right) {
+    for (const StampedFile& image : *left) dataset.frames.push_back({image.stamp_ns, image.path, {}});
+    return {};
   }
-  const Eigen::Quaterniond rotation(numbers[3], numbers[4], numbers[5], numbers[6]);
-  if (!stamp || std::abs(rotation.norm() - 1.0) > 0.1) return std::nullopt;
-  return StampedPose{*stamp, Rigid3d(rotation, {numbers[0], numbers[1], numbers[2]})};
+  const auto right = ListImages(root / "cam1", *rig.right, calibration.right_file, dataset.warnings);
+  if (!right) return tl::make_unexpected(right.error());
+  dataset.frames = PairByStamp(*left, *right, kPairTolerance_ns, dataset.warnings);
+  if (!dataset.frames.empty()) return {};
+  return Fail(ErrorCode::kCorrupt, root.string() + ": no image of cam0 has a partner of the same time in cam1");
 }
 
 std::vector<StampedPose> ReadGroundTruth(const fs::path& root, std::vector<std::string>& warnings) {
   for (const char* name : kTruthFolders) {
-    const fs::path file = root / name / "data.csv";
-    const auto text = ReadTextFile(file);
-    if (!text) continue;
-    std::vector<StampedPose> poses;
-    MalformedRows malformed;
-    ForEachLine(*text, [&](int number, std::string_view line) {
-      if (!IsData(line)) return;
-      const auto pose = ParseTruth(line);
-      if (!pose) return malformed.Add(number);
-      poses.push_back(*pose);
-    });
-    malformed.Warn(file, warnings);
-    return KeepAscending(std::move(poses), file.string(), warnings);
+    auto poses = ReadPoseTable(root / name / "data.csv", kEurocTables, warnings);
+    if (poses) return std::move(*poses);
   }
   return {};
-}
-
-// One image of another size is skipped when it is read; when all of them are, the calibration is of another camera.
-Status CheckResolution(const EurocCamera& camera, const std::vector<StampedFile>& images) {
-  const ImageSize calibrated{camera.lens.width, camera.lens.height};
-  std::optional<ImageSize> other;
-  for (const std::size_t i : {std::size_t{0}, images.size() / 2, images.size() - 1}) {
-    const auto size = ReadImageSize(images[i].path);
-    if (!size) continue;
-    if (*size == calibrated) return {};
-    other = *size;
-  }
-  if (!other) return {};
-  return Fail(ErrorCode::kInvalidArgument,
-              camera.file.string() + ": resolution is [" + std::to_string(calibrated.width) + ", " +
-                  std::to_string(calibrated.height) + "], but the images are " + std::to_string(other->width) + " x " +
-                  std::to_string(other->height) + "; allowed: the size of the images");
-}
-
-struct CameraStream {
-  EurocCamera camera;
-  std::vector<StampedFile> images;
-};
-
-Result<CameraStream> OpenCamera(const fs::path& folder, std::vector<std::string>& warnings) {
-  auto camera = ReadEurocCamera(folder / "sensor.yaml");
-  if (!camera) return tl::make_unexpected(camera.error());
-  auto images = ReadImageList(folder, warnings);
-  if (!images) return tl::make_unexpected(images.error());
-  if (auto status = CheckResolution(*camera, *images); !status) return tl::make_unexpected(status.error());
-  return CameraStream{std::move(*camera), std::move(*images)};
 }
 
 }  // namespace
@@ -134,27 +95,15 @@ bool IsEurocDataset(const fs::path& folder) {
   return fs::is_directory(RootOf(folder) / "cam0", error);
 }
 
-Result<Dataset> OpenEurocDataset(const fs::path& folder, SensorKind kind) {
+Result<Dataset> OpenEurocDataset(const fs::path& folder, SensorKind kind, const fs::path& calibration_file) {
   const fs::path root = RootOf(folder);
+  const auto calibration = ReadCalibration(root, kind, calibration_file);
+  if (!calibration) return tl::make_unexpected(calibration.error());
   Dataset dataset;
   dataset.name = (root == folder ? root.parent_path() : folder).filename().string();
-  dataset.layout = "EuRoC";
-  auto left = OpenCamera(root / "cam0", dataset.warnings);
-  if (!left) return tl::make_unexpected(left.error());
-  dataset.rig.left = left->camera.lens;
-  dataset.rig.body_from_left = left->camera.body_from_camera;
-  if (kind == SensorKind::kStereo) {
-    auto right = OpenCamera(root / "cam1", dataset.warnings);
-    if (!right) return tl::make_unexpected(right.error());
-    dataset.rig.right = right->camera.lens;
-    dataset.rig.body_from_right = right->camera.body_from_camera;
-    dataset.frames = PairByStamp(left->images, right->images, kPairTolerance_ns, dataset.warnings);
-  } else {
-    for (StampedFile& image : left->images) dataset.frames.push_back({image.stamp_ns, std::move(image.path), {}});
-  }
-  if (dataset.frames.empty()) {
-    return Fail(ErrorCode::kCorrupt, root.string() + ": no image of cam0 has a partner of the same time in cam1");
-  }
+  dataset.layout = calibration->is_chain && calibration_file.empty() ? "TUM-VI" : "EuRoC";
+  dataset.rig = calibration->rig;
+  if (auto status = ListFrames(root, *calibration, dataset); !status) return tl::make_unexpected(status.error());
   dataset.ground_truth = ReadGroundTruth(root, dataset.warnings);
   return dataset;
 }

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "common/base/text.h"
+#include "common/sensor/camera_chain.h"
 #include "common/sensor/frame_list.h"
 #include "common/sensor/image.h"
 
@@ -184,7 +185,7 @@ bool IsKittiDataset(const fs::path& folder) {
   return fs::exists(folder / "times.txt", error) && fs::is_directory(folder / "image_0", error);
 }
 
-Result<Dataset> OpenKittiDataset(const fs::path& folder, SensorKind kind) {
+Result<Dataset> OpenKittiDataset(const fs::path& folder, SensorKind kind, const fs::path& calibration) {
   Dataset dataset;
   dataset.name = folder.filename().string();
   dataset.layout = "KITTI";
@@ -193,7 +194,7 @@ Result<Dataset> OpenKittiDataset(const fs::path& folder, SensorKind kind) {
   ListFrames(folder, kind, *times, dataset);
   const auto size = FindImageSize(dataset.frames);
   if (!size) return tl::make_unexpected(size.error());
-  auto rig = ReadRig(folder, *size, kind);
+  auto rig = calibration.empty() ? ReadRig(folder, *size, kind) : ReadCameraChain(calibration, kind);
   if (!rig) return tl::make_unexpected(rig.error());
   dataset.rig = std::move(*rig);
   return dataset;

@@ -32,4 +32,25 @@ inline CameraRig DroneRig() {
   return rig;
 }
 
+// A stereo head of fisheye lenses like that of TUM-VI: equidistant, more than 180 degrees across the diagonal.
+inline CameraRig FisheyeRig() {
+  CameraRig rig;
+  rig.left = {.kind = LensKind::kEquidistant,
+              .width = 512,
+              .height = 512,
+              .focal_x = 190.978,
+              .focal_y = 190.973,
+              .center_x = 254.931,
+              .center_y = 256.897,
+              .coefficients = {0.0034823894, 0.0007150348, -0.0020532361, 0.00020293673, 0.0}};
+  rig.right = rig.left;
+  rig.right->focal_x = 190.442;
+  rig.right->center_x = 252.597;
+  rig.right->coefficients = {0.0034003171, 0.0017669271, -0.0026631290, 0.00032994822, 0.0};
+  rig.body_from_left = Rigid3d(Eigen::Quaterniond(Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitY())), {0.0, 0.07, 0.0});
+  rig.body_from_right =
+      Rigid3d(Eigen::Quaterniond(Eigen::AngleAxisd(0.03, Eigen::Vector3d::UnitX())), {0.1, 0.071, 0.001});
+  return rig;
+}
+
 }  // namespace pangaea::testing
