@@ -83,9 +83,14 @@ struct CommandLine {
 void Describe(CLI::App& app, CommandLine& line) {
   AgentOptions& options = line.options;
   app.set_version_flag("--version", std::string("pangaea-agent ") + kVersion);
-  app.add_option("--dataset", options.dataset, "Folder of a recorded sequence (EuRoC ASL or KITTI odometry)")
+  app.add_option("--dataset", options.dataset,
+                 "Folder of a recorded sequence (EuRoC, TUM-VI, KITTI odometry or TUM RGB-D)")
       ->type_name("DIR")
       ->required();
+  app.add_option(
+         "--calibration", options.calibration,
+         "YAML file that describes the cameras (a Kalibr camera chain) instead of the dataset's own calibration")
+      ->type_name("FILE");
   app.add_option("--sensor", line.sensor,
                  "Which cameras to use: stereo, or mono (the left one alone; the map's scale is then free)")
       ->type_name("KIND")

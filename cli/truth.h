@@ -29,6 +29,6 @@ Result<std::vector<Truth>> ReadTruths(const std::vector<std::string>& arguments)
 
 // What `--help` says of the argument.
 inline constexpr const char* kTruthHelp =
-    "Where it really was: the dataset's folder (EuRoC, KITTI) or a TUM file; repeatable";
+    "Where it really was: the dataset's folder (EuRoC, TUM-VI, KITTI, TUM RGB-D) or a TUM file; repeatable";
 
 }  // namespace pangaea

@@ -18,6 +18,7 @@ namespace pangaea {
 // What a run of the agent is asked to do: the command line and the configuration file together.
 struct AgentOptions {
   std::filesystem::path dataset;
+  std::filesystem::path calibration;  // of the cameras (common/sensor/camera_chain.h); empty: the dataset's own
   SensorKind sensor = SensorKind::kStereo;
   std::string site = "default";
   std::string name;  // for people; empty: the dataset's

@@ -243,7 +243,7 @@ void MeasureProcess(AgentRun& run) {
 
 Result<AgentRun> RunAgent(const AgentOptions& options, const std::stop_token& stop, const std::stop_token& hurry) {
   const auto start = Clock::now();
-  auto dataset = OpenDataset(options.dataset, options.sensor);
+  auto dataset = OpenDataset(options.dataset, options.sensor, options.calibration);
   if (!dataset) return tl::make_unexpected(dataset.error());
   const CameraInput input = InputFrom(std::move(*dataset));
   for (const std::string& warning : input.warnings) spdlog::warn("{}", warning);
