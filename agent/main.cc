@@ -85,12 +85,17 @@ void Describe(CLI::App& app, CommandLine& line) {
   app.set_version_flag("--version", std::string("pangaea-agent ") + kVersion);
   app.add_option("--dataset", options.dataset,
                  "Folder of a recorded sequence (EuRoC, TUM-VI, KITTI odometry or TUM RGB-D)")
-      ->type_name("DIR")
-      ->required();
-  app.add_option(
-         "--calibration", options.calibration,
-         "YAML file that describes the cameras (a Kalibr camera chain) instead of the dataset's own calibration")
+      ->type_name("DIR");
+  app.add_option("--video", options.video, "Video file, or number of a camera (0 is the first); needs --calibration")
+      ->type_name("FILE|N");
+  app.add_option("--lcm", options.lcm_input,
+                 "Images from LCM: udpm://239.255.76.67:7667?ttl=0 for a network, file://PATH for a log")
+      ->type_name("URL");
+  app.add_option("--calibration", options.calibration,
+                 "YAML file that describes the cameras (a Kalibr camera chain) instead of the input's own calibration")
       ->type_name("FILE");
+  app.add_option("--lcm-output", options.lcm_output, "Publish pose, tracking state and statistics on LCM, too")
+      ->type_name("URL");
   app.add_option("--sensor", line.sensor,
                  "Which cameras to use: stereo, or mono (the left one alone; the map's scale is then free)")
       ->type_name("KIND")
@@ -128,7 +133,8 @@ void Describe(CLI::App& app, CommandLine& line) {
       "2 wrong usage or configuration.\n\n"
       "Examples:\n"
       "  pangaea-agent --dataset MH_01_easy --trajectory mh1.tum\n"
-      "  pangaea-agent --dataset sequences/00 --rate max --no-server --report report.json");
+      "  pangaea-agent --dataset sequences/00 --rate max --no-server --report report.json\n"
+      "  pangaea-agent --lcm udpm://239.255.76.67:7667?ttl=0 --lcm-output udpm://239.255.76.67:7667?ttl=0");
 }
 
 int Fail(const std::string& message, int code = kFailed) {
@@ -149,6 +155,7 @@ Status Complete(CommandLine& line) {
     return Fail(ErrorCode::kInvalidArgument, "--sensor is '" + line.sensor + "'; allowed: stereo, mono");
   }
   options.sensor = line.sensor == "mono" ? SensorKind::kMonocular : SensorKind::kStereo;
+  if (Status status = options.CheckInput(); !status) return status;
   options.use_server = !line.no_server;
   if (!line.config.empty()) {
     if (Status status = ReadAgentConfig(line.config, options); !status) return status;
@@ -163,6 +170,10 @@ int Run(CommandLine& line) {
   const SignalWatch signals;
   cv::setNumThreads(1);  // the agent's own threads are all it needs; others would fight for the cores
   const auto run = RunAgent(options, signals.stop(), signals.hurry());
+  if (!run && signals.stop().stop_requested()) {
+    spdlog::info("stopped before the first frame: {}", run.error().message);
+    return 0;
+  }
   if (!run) return Fail(run.error().message);
   if (const Status status = WriteOutputs(options, *run); !status) return Fail(status.error().message);
   std::cout << SummaryOf(*run);

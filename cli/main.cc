@@ -2,6 +2,7 @@
 #include "cli/digest.h"
 #include "cli/evaluate.h"
 #include "cli/export.h"
+#include "cli/lcm_publish.h"
 #include "cli/plot.h"
 #include "cli/simulate.h"
 #include "cli/status.h"
@@ -11,6 +12,6 @@
 int main(int argc, char** argv) {
   using namespace pangaea;
   return RunCommandLine({StatusCommand(), EvaluateCommand(), PlotCommand(), ExportCommand(), SimulateCommand(),
-                         DigestCommand(), UndoCommand(), VocabularyCommand()},
+                         DigestCommand(), UndoCommand(), VocabularyCommand(), LcmPublishCommand()},
                         argc, argv);
 }

@@ -1,7 +1,7 @@
 # Every third-party library, in one place. All of them are Debian packages; scripts/setup installs them.
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
-find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs features2d video)
+find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs features2d video videoio)
 find_package(Ceres 2.1 REQUIRED)
 find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
 find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
@@ -20,7 +20,11 @@ find_library(DEFLATE_LIBRARY deflate REQUIRED)
 # OpenCV's headers warn under C++20, so they are system headers here.
 add_library(pangaea_opencv INTERFACE)
 target_include_directories(pangaea_opencv SYSTEM INTERFACE ${OpenCV_INCLUDE_DIRS})
+# Reading videos loads a hundred libraries more: for those alone who do.
+list(REMOVE_ITEM OpenCV_LIBS opencv_videoio)
 target_link_libraries(pangaea_opencv INTERFACE ${OpenCV_LIBS})
+add_library(pangaea_opencv_video INTERFACE)
+target_link_libraries(pangaea_opencv_video INTERFACE pangaea_opencv opencv_videoio)
 if(PANGAEA_SANITIZE MATCHES thread)
   add_library(pangaea_without_gdal OBJECT ${CMAKE_CURRENT_LIST_DIR}/without_gdal.c)
   target_sources(pangaea_opencv INTERFACE $<TARGET_OBJECTS:pangaea_without_gdal>)

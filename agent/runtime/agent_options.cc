@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "common/base/config.h"
+#include "common/lcm/url.h"
 
 namespace pangaea {
 
@@ -19,6 +20,22 @@ Status CheckFolderOf(const char* option, const std::filesystem::path& file) {
 
 }  // namespace
 
+Status AgentOptions::CheckInput() const {
+  const int inputs = int{!dataset.empty()} + int{!video.empty()} + int{!lcm_input.empty()};
+  if (inputs != 1) {
+    return Fail(ErrorCode::kInvalidArgument,
+                std::to_string(inputs) + " inputs are given; allowed: exactly one of --dataset, --video, --lcm");
+  }
+  if (!video.empty() && calibration.empty()) {
+    return Fail(ErrorCode::kInvalidArgument, "--video needs --calibration: a YAML file that describes the camera");
+  }
+  for (const std::string* url : {&lcm_input, &lcm_output}) {
+    if (url->empty()) continue;
+    if (auto parsed = LcmUrl::Parse(*url); !parsed) return tl::make_unexpected(parsed.error());
+  }
+  return {};
+}
+
 Status AgentOptions::Check() const {
   if (!(rate.speed == 0.0 || (rate.speed >= 0.01 && rate.speed <= 100.0))) {
     std::ostringstream message;
@@ -32,6 +49,7 @@ Status AgentOptions::Check() const {
   if (auto status = CheckFolderOf("--report", report); !status) return status;
   if (auto status = tracking.Check(); !status) return status;
   if (auto status = mapping.Check(); !status) return status;
+  if (auto status = lcm.Check(); !status) return status;
   return uplink.Check();
 }
 
@@ -83,6 +101,12 @@ Status ReadAgentConfig(const std::filesystem::path& path, AgentOptions& options)
   reader->Read("corrections.patience_s", &correction_patience_s, Range{0.0, 86400.0});
   options.correction_patience = std::chrono::milliseconds(std::llround(1000.0 * correction_patience_s));
   reader->Read("corrections.deterministic_frames", &options.frames_between_corrections, Range{1, 1000000});
+  reader->Read("lcm.images", &options.lcm.images);
+  reader->Read("lcm.right_images", &options.lcm.right_images);
+  reader->Read("lcm.calibration", &options.lcm.calibration);
+  reader->Read("lcm.pose", &options.lcm.pose);
+  reader->Read("lcm.tracking_state", &options.lcm.tracking_state);
+  reader->Read("lcm.statistics", &options.lcm.statistics);
   if (auto status = reader->Finish(); !status) return status;
   return options.Check();
 }

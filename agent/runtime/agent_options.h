@@ -11,14 +11,20 @@
 #include "agent/tracking/tracking_options.h"
 #include "common/base/result.h"
 #include "common/dds/participant.h"
+#include "common/lcm/channels.h"
 #include "common/sensor/sensor_kind.h"
 
 namespace pangaea {
 
 // What a run of the agent is asked to do: the command line and the configuration file together.
 struct AgentOptions {
+  // Where images come from: exactly one of the next three.
   std::filesystem::path dataset;
-  std::filesystem::path calibration;  // of the cameras (common/sensor/camera_chain.h); empty: the dataset's own
+  std::string video;                  // a file, or a camera's number
+  std::string lcm_input;              // a URL (common/lcm/url.h)
+  std::filesystem::path calibration;  // of the cameras (common/sensor/camera_chain.h); empty: the input's own
+  std::string lcm_output;             // URL to publish pose, tracking state and statistics on; empty: none
+  LcmChannels lcm;
   SensorKind sensor = SensorKind::kStereo;
   std::string site = "default";
   std::string name;  // for people; empty: the dataset's
@@ -43,6 +49,9 @@ struct AgentOptions {
   LocalMappingOptions mapping;
   UplinkOptions uplink;
 
+  // What images come from and LCM goes to: the command line's part.
+  Status CheckInput() const;
+  // All the rest.
   Status Check() const;
 };
 

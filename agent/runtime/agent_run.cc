@@ -2,18 +2,20 @@
 
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <random>
 #include <utility>
 
+#include "agent/runtime/camera_input.h"
 #include "agent/runtime/mapping_worker.h"
 #include "agent/tracking/odometry.h"
 #include "common/base/version.h"
+#include "common/lcm/lcm_output.h"
 #include "common/place/vocabulary_file.h"
-#include "common/sensor/dataset.h"
-#include "common/sensor/frame_stream.h"
 #include "common/sensor/rectifier.h"
 #include "common/wire/envelope.h"
 
@@ -32,6 +34,15 @@ double SecondsOf(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
 
+// What the process holds in memory now.
+float ResidentMib() {
+  std::ifstream file("/proc/self/statm");
+  float all = 0.0F;
+  float resident = 0.0F;
+  file >> all >> resident;
+  return resident * static_cast<float>(sysconf(_SC_PAGESIZE)) / (1024.0F * 1024.0F);
+}
+
 bool BeginsMap(const TrackingResult& result) {
   return result.opening != nullptr || (result.keyframe && !result.keyframe->reference.valid());
 }
@@ -41,13 +52,14 @@ class FrameLoop {
  public:
   FrameLoop(std::optional<std::size_t> frame_count, const Rectifier& rectifier, const AgentOptions& options,
             std::shared_ptr<const VocabularyTree> vocabulary, AgentRun& run, MappingWorker& worker,
-            UplinkThread* uplink)
+            UplinkThread* uplink, LcmOutput* lcm)
       : frame_count_(frame_count),
         rectifier_(rectifier),
         options_(options),
         run_(run),
         worker_(worker),
         uplink_(uplink),
+        lcm_(lcm),
         odometry_(rectifier.body_from_camera().Inverse()),
         camera_from_body_(rectifier.body_from_camera().Inverse()),
         tracker_(run.session, rectifier.camera(), options.tracking, std::move(vocabulary), options.seed) {}
@@ -61,7 +73,7 @@ class FrameLoop {
       TrackingResult result = Track(*frame, atlas);
       Record(frame->stamp_ns, result);
       if (uplink_ != nullptr && result.unrecognised != nullptr) AskWhere(std::move(result.unrecognised));
-      if (uplink_ != nullptr) TellState(frame->stamp_ns, result, *atlas, Clock::now() - begin);
+      if (is_heard()) TellState(*frame, result, *atlas, Clock::now() - begin);
       const bool keyframe = result.keyframe.has_value();
       const bool new_map = BeginsMap(result);
       MappingInput input = MappingInputOf(std::move(result));
@@ -77,9 +89,18 @@ class FrameLoop {
     }
   }
 
+  // After the last frame.
+  void TellEnd() {
+    if (!is_heard()) return;
+    told_.tracking = AgentTracking::kFinished;
+    Tell(told_);
+  }
+
   const StageClock& stages() const { return stages_; }
 
  private:
+  bool is_heard() const { return uplink_ != nullptr || lcm_ != nullptr; }
+
   TrackingResult Track(const SourceFrame& frame, const std::shared_ptr<const Atlas>& atlas) {
     cv::Mat left;
     {
@@ -134,12 +155,12 @@ class FrameLoop {
     uplink_->AskWhere(std::move(frame));
   }
 
-  void TellState(std::int64_t stamp_ns, const TrackingResult& result, const Atlas& atlas, Clock::duration took) {
+  void TellState(const SourceFrame& frame, const TrackingResult& result, const Atlas& atlas, Clock::duration took) {
     AgentState state;
     if (result.tracked) odometry_.Update(result.camera_from_map, result.current_from_previous, ScaleOf(atlas, result));
     const OdometryState& odometry = odometry_.state();
     state.session = run_.session;
-    state.stamp_ns = stamp_ns;
+    state.stamp_ns = frame.stamp_ns;
     state.tracking = result.tracked                         ? AgentTracking::kTracking
                      : result.state == TrackingState::kLost ? AgentTracking::kLost
                                                             : AgentTracking::kInitializing;
@@ -149,13 +170,26 @@ class FrameLoop {
     state.map_from_odom = odometry.map_from_odom;
     state.frames = run_.tracked + run_.lost;
     state.tracked = run_.tracked;
+    state.dropped = frame.dropped;
     state.keyframes = static_cast<std::uint32_t>(atlas.keyframe_count());
     state.landmarks = static_cast<std::uint32_t>(atlas.landmark_count());
     state.tracking_ms = std::chrono::duration<float, std::milli>(took).count();
-    const UplinkCounters uplink = uplink_->counters();
-    state.bytes_sent = uplink.bytes_sent;
-    state.retained_edits = uplink.last_sequence - uplink.acknowledged;
-    uplink_->Tell(state);
+    state.memory_mib = ResidentMib();
+    if (uplink_ != nullptr) {
+      const UplinkCounters uplink = uplink_->counters();
+      state.bytes_sent = uplink.bytes_sent;
+      state.retained_edits = uplink.last_sequence - uplink.acknowledged;
+    }
+    Tell(state);
+  }
+
+  // To the server's site, and to LCM where that was asked for.
+  void Tell(const AgentState& state) {
+    told_ = state;
+    if (uplink_ != nullptr) uplink_->Tell(state);
+    if (lcm_ == nullptr) return;
+    const Status status = lcm_->Publish(state);
+    if (!status && untold_++ == 0) spdlog::warn("the state cannot be told on LCM: {}", status.error().message);
   }
 
   static double ScaleOf(const Atlas& atlas, const TrackingResult& result) {
@@ -169,6 +203,9 @@ class FrameLoop {
   AgentRun& run_;
   MappingWorker& worker_;
   UplinkThread* uplink_;  // nullptr: without a server
+  LcmOutput* lcm_;        // nullptr: not asked for
+  AgentState told_;       // the latest
+  std::size_t untold_ = 0;
   Odometry odometry_;
   int frames_ = 0;
   std::optional<std::int64_t> asked_ns_;  // stamp of the frame the server was last asked about
@@ -232,6 +269,13 @@ void CloseLink(const AgentOptions& options, const std::stop_token& hurry, Server
   run.uplink = link.uplink->counters();
 }
 
+Result<std::optional<LcmOutput>> OpenLcmOutput(const AgentOptions& options) {
+  if (options.lcm_output.empty()) return std::nullopt;
+  auto output = LcmOutput::Open(options.lcm_output, options.lcm);
+  if (!output) return tl::make_unexpected(output.error());
+  return std::move(*output);
+}
+
 void MeasureProcess(AgentRun& run) {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -243,32 +287,36 @@ void MeasureProcess(AgentRun& run) {
 
 Result<AgentRun> RunAgent(const AgentOptions& options, const std::stop_token& stop, const std::stop_token& hurry) {
   const auto start = Clock::now();
-  auto dataset = OpenDataset(options.dataset, options.sensor, options.calibration);
-  if (!dataset) return tl::make_unexpected(dataset.error());
-  const CameraInput input = InputFrom(std::move(*dataset));
-  for (const std::string& warning : input.warnings) spdlog::warn("{}", warning);
-  const auto rectifier = Rectifier::Create(input.rig, options.sensor);
-  if (!rectifier) return tl::make_unexpected(rectifier.error());
+  // Before the input: a live one does not wait.
   auto vocabulary = OpenVocabulary(options.vocabulary.string());
   if (!vocabulary) return Fail(vocabulary.error().code, "--vocabulary: " + vocabulary.error().message);
+  auto lcm = OpenLcmOutput(options);
+  if (!lcm) return tl::make_unexpected(lcm.error());
+  const auto input = OpenCameraInput(options, stop);
+  if (!input) return tl::make_unexpected(input.error());
+  for (const std::string& warning : input->warnings) spdlog::warn("{}", warning);
+  const auto rectifier = Rectifier::Create(input->rig, options.sensor);
+  if (!rectifier) return tl::make_unexpected(rectifier.error());
 
   AgentRun run;
   run.session = RandomSession();
-  run.name = options.name.empty() ? input.name : options.name;
+  run.name = options.name.empty() ? input->name : options.name;
   run.body_from_camera = rectifier->body_from_camera();
   auto link = OpenLink(options, run, *rectifier);
   if (!link) return tl::make_unexpected(link.error());
-  const auto frame_count = input.frames->frame_count();
+  const auto frame_count = input->frames->frame_count();
   spdlog::info("{}: session {}, {} frames, {}, {}", run.name, ToString(run.session),
-               frame_count ? std::to_string(*frame_count) : "unknown", input.kind,
+               frame_count ? std::to_string(*frame_count) : "unknown", input->kind,
                options.use_server ? "site " + options.site : "without a server");
   MappingWorker worker(run.session, options.mapping, link->uplink.get());
-  FrameLoop loop(frame_count, *rectifier, options, std::move(*vocabulary), run, worker, link->uplink.get());
-  FrameSource source(*input.frames, options.rate);
+  FrameLoop loop(frame_count, *rectifier, options, std::move(*vocabulary), run, worker, link->uplink.get(),
+                 *lcm ? &**lcm : nullptr);
+  FrameSource source(*input->frames, options.rate);
   {
     const std::stop_callback stop_source(stop, [&source] { source.Stop(); });
     loop.Run(source);
   }
+  loop.TellEnd();
   worker.Finish();
   CloseLink(options, hurry, *link, worker, run);
   run.source = source.counters();

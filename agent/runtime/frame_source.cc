@@ -64,7 +64,7 @@ void FrameSource::Handle(const StreamFrame& frame) {
   }();
   if (!image) return Skip(image.error().message);
   latest_stamp_ns_ = frame.stamp_ns;
-  Deliver(SourceFrame{frame.stamp_ns, std::move(*image), frame.right});
+  Deliver(SourceFrame{frame.stamp_ns, std::move(*image), frame.right, counters_.dropped});
 }
 
 void FrameSource::Skip(const std::string& why) {

@@ -27,8 +27,9 @@ struct PlayRate {
 // One instant's images. The right one is decoded only when it is asked for.
 struct SourceFrame {
   std::int64_t stamp_ns = 0;
-  cv::Mat left;       // as recorded: not rectified
-  ImageLoader right;  // empty: monocular
+  cv::Mat left;             // as recorded: not rectified
+  ImageLoader right;        // empty: monocular
+  std::size_t dropped = 0;  // frames so far that the agent was too slow for
 };
 
 // What happened to frames that never reached tracking.

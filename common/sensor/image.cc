@@ -143,13 +143,6 @@ Result<cv::Mat> DecodePgm(std::span<const std::byte> file, ImageSize expected) {
   return image;
 }
 
-Result<cv::Mat> Decode(std::span<const std::byte> file, ImageSize expected) {
-  if (IsPng(file)) return DecodePng(file, expected);
-  if (IsJpeg(file)) return DecodeJpeg(file, expected);
-  if (IsPgm(file)) return DecodePgm(file, expected);
-  return Fail(ErrorCode::kUnsupported, "neither a PNG nor a JPEG nor a binary PGM file");
-}
-
 Result<ImageSize> SizeOf(std::span<const std::byte> file) {
   if (IsPng(file)) return ParsePng(file).map([](const PngParts& parts) { return parts.size; });
   if (IsJpeg(file)) return JpegSize(file);
@@ -165,16 +158,27 @@ Result<T> NameFile(Result<T> result, const std::filesystem::path& path) {
 
 }  // namespace
 
+Result<std::vector<std::byte>> ReadImageFile(const std::filesystem::path& path) {
+  return NameFile(ReadBytes(path), path);
+}
+
 Result<ImageSize> ReadImageSize(const std::filesystem::path& path) {
   const auto file = ReadBytes(path);
   if (!file) return NameFile<ImageSize>(tl::make_unexpected(file.error()), path);
   return NameFile(SizeOf(*file), path);
 }
 
+Result<cv::Mat> DecodeGrayImage(std::span<const std::byte> file, ImageSize expected) {
+  if (IsPng(file)) return DecodePng(file, expected);
+  if (IsJpeg(file)) return DecodeJpeg(file, expected);
+  if (IsPgm(file)) return DecodePgm(file, expected);
+  return Fail(ErrorCode::kUnsupported, "neither a PNG nor a JPEG nor a binary PGM file");
+}
+
 Result<cv::Mat> ReadGrayImage(const std::filesystem::path& path, ImageSize expected) {
   const auto file = ReadBytes(path);
   if (!file) return NameFile<cv::Mat>(tl::make_unexpected(file.error()), path);
-  return NameFile(Decode(*file, expected), path);
+  return NameFile(DecodeGrayImage(*file, expected), path);
 }
 
 }  // namespace pangaea

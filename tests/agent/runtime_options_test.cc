@@ -63,25 +63,47 @@ std::map<std::string, double> ValuesOf(const AgentOptions& options) {
   };
 }
 
-std::set<std::string> KeysOf(const std::map<std::string, double>& values) {
+// The same of the keys whose values are names.
+std::map<std::string, std::string> NamesOf(const AgentOptions& options) {
+  const LcmChannels& lcm = options.lcm;
+  return {{"lcm.images", lcm.images}, {"lcm.right_images", lcm.right_images},     {"lcm.calibration", lcm.calibration},
+          {"lcm.pose", lcm.pose},     {"lcm.tracking_state", lcm.tracking_state}, {"lcm.statistics", lcm.statistics}};
+}
+
+template <typename Value>
+std::set<std::string> KeysOf(const std::map<std::string, Value>& values) {
   std::set<std::string> keys;
   for (const auto& [key, value] : values) keys.insert(key);
   return keys;
 }
 
 // The keys and values that a person reads in the shipped file.
-std::map<std::string, double> ShippedValues() {
-  std::map<std::string, double> values;
+std::map<std::string, std::string> ShippedTexts() {
+  std::map<std::string, std::string> texts;
   std::string section;
   std::smatch match;
   std::ifstream file(kShipped);
   for (std::string line; std::getline(file, line);) {
     if (std::regex_match(line, match, std::regex("(\\w+):"))) section = match[1];
     if (std::regex_match(line, match, std::regex("  (\\w+): (\\S+)"))) {
-      values[section + "." + match[1].str()] = std::stod(match[2]);
+      texts[section + "." + match[1].str()] = match[2] == "\"\"" ? "" : match[2].str();
     }
   }
+  return texts;
+}
+
+std::map<std::string, double> ShippedValues() {
+  std::map<std::string, double> values;
+  for (const auto& [key, text] : ShippedTexts()) {
+    if (!NamesOf({}).contains(key)) values[key] = std::stod(text);
+  }
   return values;
+}
+
+std::map<std::string, std::string> ShippedNames() {
+  std::map<std::string, std::string> names = ShippedTexts();
+  std::erase_if(names, [](const auto& entry) { return !NamesOf({}).contains(entry.first); });
+  return names;
 }
 
 // The message for a file with one key of this value; empty where it was read.
@@ -100,6 +122,32 @@ TEST(AgentOptions, TheShippedFileHoldsTheDefaults) {
   ASSERT_TRUE(status) << status.error().message;
   EXPECT_EQ(ValuesOf(options), ValuesOf({}));
   EXPECT_EQ(ShippedValues(), ValuesOf({}));
+  EXPECT_EQ(NamesOf(options), NamesOf({}));
+  EXPECT_EQ(ShippedNames(), NamesOf({}));
+}
+
+TEST(AgentOptions, EveryNameOfAChannelIsTakenFromTheFileAndOnesThatAreTooLongAreRefused) {
+  for (const auto& [key, name] : NamesOf({})) {
+    AgentOptions options;
+    auto expected = NamesOf({});
+    expected[key] = "ANOTHER";
+    EXPECT_EQ(ReadOne(key, "ANOTHER", options), "");
+    EXPECT_EQ(NamesOf(options), expected);
+    EXPECT_NE(ReadOne(key, std::string(64, 'x'), options).find("allowed: 1 to 63 characters"), std::string::npos);
+  }
+}
+
+TEST(AgentOptions, ExactlyOneInputMustBeGiven) {
+  AgentOptions options;
+  EXPECT_FALSE(options.CheckInput());
+  options.dataset = "flight";
+  EXPECT_TRUE(options.CheckInput());
+  options.lcm_input = "file://flight.lcm";
+  EXPECT_FALSE(options.CheckInput());
+  options.dataset.clear();
+  EXPECT_TRUE(options.CheckInput());
+  options.lcm_output = "http://nowhere";
+  EXPECT_FALSE(options.CheckInput());
 }
 
 TEST(AgentOptions, TheShippedFileDocumentsEveryKeyThatIsRead) {
@@ -108,7 +156,7 @@ TEST(AgentOptions, TheShippedFileDocumentsEveryKeyThatIsRead) {
   std::set<std::string> read;
   const std::regex call("Read\\w*\\(\\s*\"([^\"]+)\"");
   for (std::sregex_iterator it(source->begin(), source->end(), call), end; it != end; ++it) read.insert((*it)[1]);
-  EXPECT_EQ(KeysOf(ShippedValues()), read);
+  EXPECT_EQ(KeysOf(ShippedTexts()), read);
 }
 
 TEST(AgentOptions, EveryKeySetsWhatItNamesAndNothingElse) {

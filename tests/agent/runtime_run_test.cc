@@ -1,10 +1,17 @@
 #include <gtest/gtest.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <pangaea_lcm/pose_t.hpp>
+#include <pangaea_lcm/statistics_t.hpp>
 
 #include "agent/runtime/agent_output.h"
 #include "agent/runtime/agent_run.h"
 #include "common/base/text.h"
+#include "common/lcm/message_codec.h"
+#include "common/lcm/pose_codec.h"
+#include "common/lcm/receiver.h"
 #include "common/simulation/recording_writer.h"
 #include "tests/sensor/recording.h"
 #include "tests/sensor/temporary_folder.h"
@@ -94,6 +101,47 @@ TEST_F(AgentRunTest, WithOneCameraTheFlightIsTrackedInOneMapFromTheFirstFrameOn)
   const std::string first = RunInto("mono_1.tum", options);
   EXPECT_EQ(std::count(first.begin(), first.end(), '\n'), kFrames);
   EXPECT_EQ(RunInto("mono_2.tum", options), first);
+}
+
+// Every message of the agent's, by channel.
+std::map<std::string, std::vector<LcmPayload>> MessagesOf(const std::string& url, const LcmChannels& channels) {
+  std::map<std::string, std::vector<LcmPayload>> messages;
+  const auto receiver =
+      LcmReceiver::Open(*LcmUrl::Parse(url), {channels.pose, channels.tracking_state, channels.statistics});
+  EXPECT_TRUE(receiver);
+  while (auto message = (*receiver)->Next({})) messages[(*message)->channel].push_back((*message)->payload);
+  return messages;
+}
+
+TEST_F(AgentRunTest, EachFrameIsToldOnLcmAndThePosesAreTheLiveOnes) {
+  AgentOptions options = Options();
+  options.deterministic = true;
+  options.lcm_output = "file://" + Path("state.lcm").string();
+  const auto run = RunAgent(options, {});
+  ASSERT_TRUE(run) << run.error().message;
+  auto messages = MessagesOf(options.lcm_output, options.lcm);
+  const auto& poses = messages[options.lcm.pose];
+  ASSERT_EQ(poses.size(), run->live_trajectory.size());
+  EXPECT_EQ(messages[options.lcm.tracking_state].size(), std::size_t{kFrames + 1}) << "and that it has finished";
+  std::optional<Rigid3d> previous;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const auto pose = DecodeMessage<pangaea_lcm::pose_t>(poses[i]);
+    ASSERT_TRUE(pose);
+    EXPECT_EQ(pose->stamp_ns, run->live_trajectory[i].stamp_ns);
+    const Rigid3d odom_from_body = *RigidOf(pose->odom_from_body);
+    const Rigid3d map_from_body = *RigidOf(pose->map_from_odom) * odom_from_body;
+    EXPECT_LT((map_from_body.Inverse() * run->live_trajectory[i].world_from_body).Log().norm(), 1e-9);
+    // At one metre a second and 20 Hz.
+    EXPECT_LT((odom_from_body.translation() - previous.value_or(odom_from_body).translation()).norm(), 0.2);
+    EXPECT_FALSE(pose->discontinuity);
+    previous = odom_from_body;
+  }
+  const auto statistics = DecodeMessage<pangaea_lcm::statistics_t>(messages[options.lcm.statistics].back());
+  ASSERT_TRUE(statistics);
+  EXPECT_EQ(statistics->frames, kFrames);
+  EXPECT_EQ(statistics->tracked, kFrames);
+  EXPECT_GT(statistics->memory_mib, 1.0);
+  EXPECT_GT(statistics->landmarks, 100);
 }
 
 TEST_F(AgentRunTest, AStopEndsTheRunInOrder) {

@@ -32,8 +32,9 @@ const Allowed& AllowedIncludes() {
     allowed["common/wire"] = kLink;
     allowed["common/dds"] = kLink;
     allowed["common/dds"].insert("common/wire");
+    allowed["common/lcm"] = allowed["common/dds"];
     std::set<std::string> program = kLink;
-    program.insert({"common/wire", "common/dds"});
+    program.insert({"common/wire", "common/dds", "common/lcm"});
     allowed["agent"] = program;
     allowed["server"] = program;
     allowed["cli"] = program;
@@ -49,6 +50,18 @@ constexpr std::array kCore = {
     "common/mapping",           "agent/tracking",  "agent/mapping",       "agent/uplink", "server/ingest",
     "server/place_recognition", "server/fusion",   "server/optimization", "server/atlas", "server/downlink",
     "agent/absorption"};
+
+// Generated and library types of a transport, by the folder their headers come from → who may see them.
+const Allowed& AllowedTypes() {
+  static const Allowed kTypes = {
+      {"idl", {"common/wire", "common/dds"}},
+      {"dds", {"common/wire", "common/dds"}},
+      {"lcm", {"common/lcm"}},
+      {"pangaea_lcm", {"common/lcm"}},
+  };
+  return kTypes;
+}
+
 constexpr std::array kForbiddenInCore = {"thread",
                                          "mutex",
                                          "shared_mutex",
@@ -92,6 +105,14 @@ void CheckDirection(const Include& include, std::vector<std::string>& forbidden)
                       include.to);
 }
 
+void CheckTypes(const Include& include, std::vector<std::string>& forbidden) {
+  if (IsBelow(include.from, "tests")) return;
+  const auto types = AllowedTypes().find(include.to.substr(0, include.to.find('/')));
+  if (types == AllowedTypes().end() || types->second.contains(FolderOf(include.from))) return;
+  forbidden.push_back(include.from + ":" + std::to_string(include.line) + ": " + FolderOf(include.from) +
+                      " may not see the types of " + include.to);
+}
+
 }  // namespace
 
 std::vector<Include> ReadIncludes(const std::filesystem::path& root) {
@@ -118,6 +139,7 @@ std::vector<std::string> ForbiddenIncludes(const std::vector<Include>& includes)
   for (const Include& include : includes) {
     CheckCore(include, forbidden);
     CheckDirection(include, forbidden);
+    CheckTypes(include, forbidden);
   }
   return forbidden;
 }

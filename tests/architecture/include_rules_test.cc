@@ -40,6 +40,15 @@ TEST(IncludeRules, CoreCodeHasNoThreadAndNoFile) {
               ElementsAre(HasSubstr("tracker.cc:4"), HasSubstr("atlas.cc:5"), HasSubstr("session.cc:6")));
 }
 
+TEST(IncludeRules, OnlyTheAdaptersSeeTheTypesOfTheirTransport) {
+  EXPECT_THAT(ForbiddenIncludes({{"common/dds/topics.cc", "idl/session.h", 1},
+                                 {"agent/runtime/agent_run.cc", "idl/session.h", 2},
+                                 {"common/lcm/receiver.cc", "lcm/lcm-cpp.hpp", 3},
+                                 {"cli/lcm_publish.cc", "pangaea_lcm/image_t.hpp", 4},
+                                 {"common/wire/a.cc", "lcm/lcm-cpp.hpp", 5}}),
+              ElementsAre(HasSubstr("agent_run.cc:2"), HasSubstr("lcm_publish.cc:4"), HasSubstr("a.cc:5")));
+}
+
 TEST(IncludeRules, TheCliSeesOfTheServerOnlyItsStorage) {
   EXPECT_THAT(ForbiddenIncludes({{"cli/evaluate.cc", "server/storage/store.h", 1},
                                  {"cli/evaluate.cc", "server/runtime/server.h", 2}}),
