@@ -1,7 +1,6 @@
 #include "common/mapping/landmark_search.h"
 
 #include <algorithm>
-#include <set>
 
 #include "common/features/feature_grid.h"
 #include "common/features/matching.h"
@@ -16,6 +15,16 @@ namespace {
 bool IsOld(const Landmark& landmark, const Keyframe& keyframe, const LandmarkSearchOptions& options) {
   const KeyframeId newest = landmark.observations.back().keyframe;
   return newest.session != keyframe.id.session || newest.counter + options.old_after < keyframe.id.counter;
+}
+
+// What most landmarks fail, before anything that costs more.
+bool IsInView(const Landmark& landmark, const Viewpoint& viewpoint) {
+  const Eigen::Vector3d point = viewpoint.camera_from_map * landmark.point_in_map;
+  return point.z() > 0.0 && viewpoint.camera.Contains(viewpoint.camera.Project(point));
+}
+
+bool Observes(KeyframeId id, const Landmark& landmark) {
+  return std::ranges::binary_search(landmark.observations, id, {}, &Observation::keyframe);
 }
 
 const Keypoint& KeypointOf(const Atlas& atlas, const Observation& observation) {
@@ -68,15 +77,14 @@ std::vector<LandmarkSighting> FindLandmarks(const Atlas& atlas, const Keyframe& 
                                             const LandmarkSearchOptions& options) {
   const Viewpoint viewpoint(keyframe);
   const Features& features = keyframe.data->features;
-  const std::set<LandmarkId> observed(keyframe.landmarks.begin(), keyframe.landmarks.end());
   std::vector<LandmarkSighting> queries;
   std::vector<ProjectionQuery> projections;
   for (const LandmarkId id : wanted) {
-    if (observed.contains(id)) continue;
-    const Landmark& landmark = *atlas.FindLandmark(id);
-    const auto view = PredictView(atlas, landmark, viewpoint, options.max_view_angle);
+    const Landmark* landmark = atlas.FindLandmark(id);
+    if (landmark == nullptr || !IsInView(*landmark, viewpoint) || Observes(keyframe.id, *landmark)) continue;
+    const auto view = PredictView(atlas, *landmark, viewpoint, options.max_view_angle);
     if (!view) continue;
-    const bool old = IsOld(landmark, keyframe, options);
+    const bool old = IsOld(*landmark, keyframe, options);
     queries.push_back({.landmark = id, .keypoint = 0, .old = old});
     projections.push_back(
         MakeProjectionQuery(atlas, *view, old ? options.old_radius : options.radius, options.octave_tolerance));

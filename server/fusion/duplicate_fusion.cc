@@ -15,9 +15,7 @@ void DuplicateFusion::FusePairs(const std::vector<std::pair<LandmarkId, Landmark
   for (const auto& [a, b] : pairs) FuseIfOnePoint(atlas_.Resolve(a), atlas_.Resolve(b));
 }
 
-void DuplicateFusion::SearchIn(KeyframeId id, const std::vector<KeyframeId>& others) {
-  // Anew for each keyframe: the one before may have fused some of them.
-  const std::vector<LandmarkId> wanted = LandmarksSeenBy(atlas_, others);
+void DuplicateFusion::SearchIn(KeyframeId id, const std::vector<LandmarkId>& wanted) {
   const Keyframe keyframe = *atlas_.FindKeyframe(id);
   for (const LandmarkSighting& sighting : FindLandmarks(atlas_, keyframe, wanted, options_)) {
     const LandmarkId present = keyframe.landmarks[sighting.keypoint];
@@ -72,8 +70,10 @@ void FuseAcrossSeam(const WeldingWindow& window, const std::vector<std::pair<Lan
   for (const auto* part : {&window.moved, &window.fixed}) trusted.insert(trusted.end(), part->begin(), part->end());
   DuplicateFusion fusion(trusted, options, draft);
   fusion.FusePairs(pairs);
-  for (const KeyframeId id : window.kept) fusion.SearchIn(id, window.moved);
-  for (const KeyframeId id : window.moved) fusion.SearchIn(id, window.kept);
+  const std::vector<LandmarkId> of_moved = LandmarksSeenBy(draft.welded(), window.moved);
+  for (const KeyframeId id : window.kept) fusion.SearchIn(id, of_moved);
+  const std::vector<LandmarkId> of_kept = LandmarksSeenBy(draft.welded(), window.kept);
+  for (const KeyframeId id : window.moved) fusion.SearchIn(id, of_kept);
 }
 
 std::vector<LandmarkId> CommonLandmarks(const Atlas& atlas, const WeldingWindow& window) {

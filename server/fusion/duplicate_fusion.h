@@ -23,8 +23,9 @@ class DuplicateFusion {
 
   // Pairs that are known to show the same.
   void FusePairs(const std::vector<std::pair<LandmarkId, LandmarkId>>& pairs);
-  // Looks for the landmarks that others see in a keyframe: new observations, and duplicates that become one.
-  void SearchIn(KeyframeId id, const std::vector<KeyframeId>& others);
+  // Looks for landmarks in a keyframe: new observations, and duplicates that become one. Those that are gone, perhaps
+  // fused by an earlier search, are passed over.
+  void SearchIn(KeyframeId id, const std::vector<LandmarkId>& wanted);
 
  private:
   void FuseIfOnePoint(LandmarkId a, LandmarkId b);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/base/range_check.h"
+#include "common/map/covisibility.h"
 #include "common/map/spanning_tree.h"
 #include "common/mapping/view_overlap.h"
 #include "server/fusion/duplicate_fusion.h"
@@ -68,7 +69,7 @@ MapFusion FuseDuplicates(const Atlas& snapshot, MapId map, const std::vector<Key
     if (stop.stop_requested()) break;
     const Keyframe* keyframe = draft.welded().FindKeyframe(id);
     if (keyframe == nullptr || keyframe->map != map) continue;
-    fusion.SearchIn(id, Strangers(draft.welded(), *keyframe, all, options));
+    fusion.SearchIn(id, LandmarksSeenBy(draft.welded(), Strangers(draft.welded(), *keyframe, all, options)));
   }
   MapFusion result{.edits = draft.edits(), .correction = draft.Moves(map)};
   for (const MapEdit& edit : result.edits) {
