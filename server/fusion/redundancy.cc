@@ -45,7 +45,8 @@ class Culling {
   }
 
   double ShareOf(const Keyframe& keyframe) const {
-    return RedundantShare(atlas_, keyframe, {.other_observers = options_.other_observers});
+    return RedundantShare(atlas_, keyframe,
+                          {.other_observers = options_.other_observers, .coarser_octaves = options_.coarser_octaves});
   }
 
   // With each keyframe that goes, the others get less redundant and never more. So one whose share is still what it was
@@ -108,6 +109,7 @@ Status RedundancyOptions::Check() const {
   RangeCheck check("redundancy");
   check.In("redundant_share", redundant_share, 0.1, 1)
       .In("other_observers", other_observers, 1, 1000)
+      .In("coarser_octaves", coarser_octaves, 0, kOctaves)
       .In("max_bytes", max_bytes, 0, RangeCheck::kUnlimited)
       .In("min_landmark_observers", min_landmark_observers, 1, 1000);
   return check.status();

@@ -13,9 +13,10 @@ namespace pangaea {
 
 struct RedundancyOptions {
   // A keyframe may go when this part of its landmarks is seen from so many others (count), on the same octave or a
-  // finer one (Mur-Artal and Tardos 2015, section VI-E).
+  // finer one, or on one coarser by so much, as octaves are rounded (Mur-Artal and Tardos 2015, section VI-E).
   double redundant_share = 0.9;
   std::size_t other_observers = 3;
+  int coarser_octaves = 1;
   // Keyframes and landmarks of the site may take so many bytes of memory; what is redundant goes only while they take
   // more. 0: all that is redundant goes.
   std::size_t max_bytes = 0;

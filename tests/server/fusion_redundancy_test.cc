@@ -40,7 +40,8 @@ TEST_P(Redundancy, WhatRemainsIsNoLongerRedundantAndStillSeesNearlyAll) {
   EXPECT_GT(culled.landmark_count(), world.atlas.landmark_count() * 95 / 100);
   culled.ForEachKeyframe([&](const Keyframe& keyframe) {
     if (keyframe.parent.valid()) {
-      EXPECT_LT(RedundantShare(culled, keyframe, {.other_observers = 3}), options.redundant_share);
+      EXPECT_LT(RedundantShare(culled, keyframe, {.other_observers = 3, .coarser_octaves = 1}),
+                options.redundant_share);
     }
   });
 }

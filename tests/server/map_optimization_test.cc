@@ -1,0 +1,77 @@
+#include "server/atlas/map_optimization.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/map/consistency.h"
+#include "tests/map/random_edits.h"
+#include "tests/server/fusion_world.h"
+
+namespace pangaea::testing {
+namespace {
+
+using ::testing::IsEmpty;
+
+const MapId kMap{kOlder, 1};
+
+// Two sessions that flew the same way, welded at one end of it by a small window.
+struct WeldedAtOneEnd {
+  explicit WeldedAtOneEnd(std::uint64_t seed) : world(seed) {
+    world.Fly(kOlder, CirclePoses(0, 16, 40), {});
+    SurveyOptions second;
+    second.stamp_ns = 1'000'000'000'000;
+    second.map_from_world = RandomFrame(seed);
+    world.Fly(kNewer, CirclePoses(0, 16, 40), second);
+    FusionOptions options;
+    options.window.keyframes = 5;
+    const PlaceMatch match = world.TrueMatch(world.KeyframesOf(kNewer)[2], world.KeyframesOf(kOlder)[2]);
+    const WeldingOutcome plan = PlanWelding(world.atlas, match, options, {});
+    EXPECT_TRUE(plan.has_value());
+    merged = world.atlas;
+    if (plan) Carry(*plan, merged);
+  }
+  SurveyedWorld world;
+  Atlas merged;
+};
+
+void Carry(const OptimizedMap& optimized, Atlas& atlas) {
+  const auto edits = OptimizationEdits(optimized, atlas);
+  ASSERT_TRUE(edits.has_value()) << edits.error().message;
+  for (const MapEdit& edit : *edits) ASSERT_TRUE(Apply(edit, atlas).has_value()) << KindName(edit);
+}
+
+class OptimizeMapTest : public ::testing::TestWithParam<std::uint64_t> {};
+INSTANTIATE_TEST_SUITE_P(Seeds, OptimizeMapTest, ::testing::Range<std::uint64_t>(1, 4));
+
+TEST_P(OptimizeMapTest, AWeldedMapIsAdjustedAndRidOfDuplicates) {
+  const WeldedAtOneEnd welded(GetParam());
+  const auto optimized = OptimizeMap(welded.merged, kMap, {}, {});
+  ASSERT_TRUE(optimized.has_value());
+  Atlas atlas = welded.merged;
+  Carry(optimized->optimized, atlas);
+  EXPECT_THAT(CheckConsistency(atlas), IsEmpty());
+  EXPECT_LT(CountDuplicates(welded.world, atlas), CountDuplicates(welded.world, welded.merged) / 20);
+  EXPECT_LT(WorstError(welded.world, atlas, AllKeyframes(welded.world)), 0.02);
+}
+
+TEST_P(OptimizeMapTest, OnAnAtlasThatMovedOnItLeavesItConsistent) {
+  const WeldedAtOneEnd welded(GetParam());
+  const auto optimized = OptimizeMap(welded.merged, kMap, {}, {});
+  ASSERT_TRUE(optimized.has_value());
+  Atlas atlas = welded.merged;
+  RandomEdits random(GetParam());
+  random.Adopt(atlas);
+  for (int i = 0; i < 100; ++i) (void)Apply(random.Next(atlas), atlas);
+  Carry(optimized->optimized, atlas);
+  EXPECT_THAT(CheckConsistency(atlas), IsEmpty());
+}
+
+TEST(OptimizeOneMap, AStopGivesNothing) {
+  const WeldedAtOneEnd welded(1);
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_FALSE(OptimizeMap(welded.merged, kMap, {}, stop.get_token()).has_value());
+}
+
+}  // namespace
+}  // namespace pangaea::testing
