@@ -9,6 +9,8 @@ namespace {
 
 // Points that the motion between two images is predicted from: as many as tracking uses.
 constexpr std::size_t kPredictionPoints = 300;
+// Its patches are found on levels 2 and 3: up to 48 pixels from where they are expected.
+constexpr int kCoarseOctave = 8;
 
 }  // namespace
 
@@ -33,8 +35,12 @@ void InitialTracks::Follow(const ImagePyramid& image) {
     const Eigen::Vector3d predicted = image_from_latest * camera_.Unproject(tracks_[i].pixel.cast<double>());
     const auto affine = CurrentFromTemplate(camera_, latest_from_first_, camera_.Unproject(templates_[i].pixel));
     if (predicted.z() <= 0.0 || !affine) continue;
-    const auto aligned =
-        AlignPatch(image, templates_[i], *affine, camera_.Project(predicted), true, options_.alignment);
+    const Eigen::Vector2d pixel = camera_.Project(predicted);
+    auto aligned = AlignPatch(image, templates_[i], *affine, pixel, true, options_.alignment);
+    if (!aligned) {
+      const auto nearer = FollowCoarsely(image, tracks_[i].pixel.cast<double>(), pixel);
+      if (nearer) aligned = AlignPatch(image, templates_[i], *affine, *nearer, true, options_.alignment);
+    }
     if (!aligned) continue;
     if (kept != i) templates_[kept] = templates_[i];
     tracks_[kept] = {tracks_[i].keypoint, aligned->pixel.cast<float>(), SigmaAt(aligned->level)};
@@ -46,6 +52,17 @@ void InitialTracks::Follow(const ImagePyramid& image) {
 }
 
 float InitialTracks::SigmaAt(int level) const { return static_cast<float>(std::ldexp(options_.patch_sigma, level)); }
+
+// Near things move otherwise than the whole image does: finds by how much, on coarse levels, from the latest image.
+std::optional<Eigen::Vector2d> InitialTracks::FollowCoarsely(const ImagePyramid& image,
+                                                             const Eigen::Vector2d& latest_pixel,
+                                                             const Eigen::Vector2d& predicted) const {
+  const auto patch = CutTemplate(latest_image_, KeyframeId{}, latest_pixel, kCoarseOctave);
+  if (!patch) return std::nullopt;
+  const auto aligned = AlignPatch(image, *patch, Eigen::Matrix2d::Identity(), predicted, true, options_.alignment);
+  if (!aligned) return std::nullopt;
+  return aligned->pixel;
+}
 
 double InitialTracks::MedianFlow() const {
   if (tracks_.empty()) return 0.0;

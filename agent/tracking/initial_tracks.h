@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -46,6 +47,8 @@ class InitialTracks {
 
  private:
   float SigmaAt(int level) const;
+  std::optional<Eigen::Vector2d> FollowCoarsely(const ImagePyramid& image, const Eigen::Vector2d& latest_pixel,
+                                                const Eigen::Vector2d& predicted) const;
   Rigid3d PredictMotion(const ImagePyramid& image) const;
 
   IdealCamera camera_;

@@ -1,5 +1,6 @@
 #include "agent/tracking/monocular_start.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -47,7 +48,11 @@ Status MonocularStartOptions::Check() const {
 
 MonocularStart::MonocularStart(const IdealCamera& camera, const MonocularStartOptions& options,
                                const InitialTracks::Options& tracks, std::uint64_t seed)
-    : camera_(camera), options_(options), track_options_(tracks), seed_(seed) {}
+    : camera_(camera),
+      options_(options),
+      track_options_(tracks),
+      seed_(seed),
+      needed_successes_(options.confirmations) {}
 
 bool MonocularStart::Begin(std::int64_t stamp_ns, const ImagePyramid& image, Features features) {
   InitialTracks tracks(camera_, track_options_, image, features.keypoints);
@@ -62,6 +67,8 @@ std::optional<MonocularOpening> MonocularStart::Follow(std::int64_t stamp_ns, co
   const auto left = static_cast<double>(tracks.tracks().size());
   if (left < options_.min_tracks || left < options_.min_track_share * static_cast<double>(tracks.begun()) ||
       first_->later.size() >= options_.max_frames) {
+    // A camera this fast leaves no time for more.
+    if (first_->had_success) needed_successes_ = std::max(1, needed_successes_ / 2);
     first_.reset();
     return std::nullopt;
   }
@@ -72,9 +79,15 @@ std::optional<MonocularOpening> MonocularStart::Follow(std::int64_t stamp_ns, co
   const auto reconstruction = ReconstructFromTwoViews(camera_, MatchesOf(first_->features, tracks.tracks()),
                                                       options_.two_view, seed_ + first_->later.size());
   first_->successes = reconstruction ? first_->successes + 1 : 0;
-  if (first_->successes < options_.confirmations) return std::nullopt;
+  first_->had_success = first_->had_success || reconstruction;
+  // A plane may be the mirror of the true one until the motion tells the two apart: no haste there.
+  const bool planar = reconstruction && reconstruction->planar;
+  if (first_->successes < (planar ? options_.confirmations : needed_successes_)) return std::nullopt;
   auto opening = Open(*reconstruction);
-  if (opening) first_.reset();
+  if (opening) {
+    first_.reset();
+    needed_successes_ = options_.confirmations;
+  }
   return opening;
 }
 

@@ -15,7 +15,8 @@
 namespace pangaea {
 
 struct MonocularStartOptions {
-  TwoViewOptions two_view;
+  // Half of the tracks must become points: a map of a small part of the view is soon left behind.
+  TwoViewOptions two_view{.min_point_share = 0.5};
   // With fewer keypoints an image is no first one, and with fewer of its tracks left another one is chosen (count).
   int min_tracks = 120;
   // ... or with less than this share of them left: the camera has turned away.
@@ -78,6 +79,7 @@ class MonocularStart {
     InitialTracks tracks;
     std::vector<Frame> later;  // the latest one last
     int successes = 0;         // of the latest frames, how many in a row allowed a reconstruction
+    bool had_success = false;
   };
 
   std::optional<MonocularOpening> Open(const TwoViewReconstruction& reconstruction) const;
@@ -88,6 +90,7 @@ class MonocularStart {
   InitialTracks::Options track_options_;
   std::uint64_t seed_;
   std::optional<First> first_;
+  int needed_successes_;
 };
 
 }  // namespace pangaea

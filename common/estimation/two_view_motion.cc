@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -19,10 +20,17 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 // With fewer no model is worth looking for.
 constexpr int kMinMatches = 16;
 
-// A motion and the points that it explains, with enough parallax to have a depth.
+// A motion may be judged by points of this share of the least parallax: enough to tell front from behind.
+constexpr double kJudgedParallax = 0.5;
+
+// Degrees between two directions of motion that count as the same one.
+constexpr double kSameDirection = 20.0;
+
+// A motion and the points that it explains.
 struct Hypothesis {
   Rigid3d second_from_first;
-  std::vector<TwoViewPoint> points;
+  std::vector<TwoViewPoint> points;  // with enough parallax to have a depth
+  std::size_t explained = 0;         // those, and others by which motions are told apart
 };
 
 // Degrees.
@@ -60,13 +68,31 @@ class Reconstructor {
     const double essential_score = essential ? essential->score : 0.0;
     if (!(homography_score + essential_score > 0.0)) return tl::make_unexpected(TwoViewRefusal::kNoModel);
     const bool planar = homography_score > options_.homography_ratio * (homography_score + essential_score);
-    const auto motions = planar ? DecomposeHomography(homography->matrix) : DecomposeEssentialMatrix(essential->matrix);
-    const auto best = ChooseMotion(motions, planar ? homography->inliers : essential->inliers);
+    const auto of_plane = Choose(homography, DecomposeHomography);
+    const auto of_depth = Choose(essential, DecomposeEssentialMatrix);
+    const auto& best = planar ? of_plane : of_depth;
     if (!best) return tl::make_unexpected(best.error());
+    // With little depth in the scene each of the two may have found the mirrored motion.
+    if (planar && of_depth && !Agree(*of_plane, *of_depth)) return tl::make_unexpected(TwoViewRefusal::kAmbiguous);
     return Adjust(*best, planar);
   }
 
  private:
+  template <typename Decompose>
+  tl::expected<Hypothesis, TwoViewRefusal> Choose(const std::optional<TwoViewModel>& model,
+                                                  const Decompose& decompose) const {
+    if (!model) return tl::make_unexpected(TwoViewRefusal::kNoModel);
+    return ChooseMotion(decompose(model->matrix), model->inliers);
+  }
+
+  bool Agree(const Hypothesis& a, const Hypothesis& b) const {
+    const auto direction = [](const Hypothesis& hypothesis) -> Eigen::Vector3d {
+      return hypothesis.second_from_first.Inverse().translation();
+    };
+    return kDegrees * ParallaxAngle(direction(a), direction(b)) <= kSameDirection ||
+           static_cast<double>(b.explained) < options_.max_runner_up * static_cast<double>(a.explained);
+  }
+
   tl::expected<Hypothesis, TwoViewRefusal> ChooseMotion(const std::vector<Rigid3d>& motions,
                                                         const std::vector<std::uint8_t>& inliers) const {
     if (static_cast<std::size_t>(std::count(inliers.begin(), inliers.end(), 1)) < min_points_) {
@@ -76,27 +102,28 @@ class Reconstructor {
     std::size_t runner_up = 0;
     for (const Rigid3d& motion : motions) {
       Hypothesis hypothesis = Triangulate(motion, inliers);
-      if (hypothesis.points.size() > best.points.size()) std::swap(hypothesis, best);
-      runner_up = std::max(runner_up, hypothesis.points.size());
+      if (hypothesis.explained > best.explained) std::swap(hypothesis, best);
+      runner_up = std::max(runner_up, hypothesis.explained);
     }
     if (best.points.size() < min_points_) return tl::make_unexpected(TwoViewRefusal::kLowParallax);
-    if (static_cast<double>(runner_up) > options_.max_runner_up * static_cast<double>(best.points.size())) {
+    if (static_cast<double>(runner_up) > options_.max_runner_up * static_cast<double>(best.explained)) {
       return tl::make_unexpected(TwoViewRefusal::kAmbiguous);
     }
     return best;
   }
 
   Hypothesis Triangulate(const Rigid3d& second_from_first, const std::vector<std::uint8_t>& inliers) const {
-    Hypothesis hypothesis{second_from_first, {}};
+    Hypothesis hypothesis{second_from_first, {}, 0};
     for (std::uint32_t i = 0; i < matches_.size(); ++i) {
       const PixelMatch& match = matches_[i];
       if (inliers[i] == 0) continue;
-      const auto point =
-          TriangulateMidpoint(PixelRay(camera_, Rigid3d(), match.first),
-                              PixelRay(camera_, second_from_first, match.second), options_.min_parallax / kDegrees);
+      const Ray first = PixelRay(camera_, Rigid3d(), match.first);
+      const Ray second = PixelRay(camera_, second_from_first, match.second);
+      const auto point = TriangulateMidpoint(first, second, kJudgedParallax * options_.min_parallax / kDegrees);
       if (!point || !Fits(camera_, *point, match.first, match.inverse_sigma)) continue;
       if (!Fits(camera_, second_from_first * *point, match.second, match.inverse_sigma)) continue;
-      hypothesis.points.push_back({i, *point});
+      ++hypothesis.explained;
+      if (Parallax(second_from_first, *point) >= options_.min_parallax) hypothesis.points.push_back({i, *point});
     }
     return hypothesis;
   }

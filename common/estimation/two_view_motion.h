@@ -11,7 +11,7 @@
 namespace pangaea {
 
 struct TwoViewOptions {
-  TwoViewRansacOptions ransac;
+  TwoViewRansacOptions ransac{};
   // S_H / (S_H + S_F) above which the homography is taken (Mur-Artal, Montiel and Tardos 2015, section IV): a plane or
   // little parallax, where an essential matrix is ill-determined. They take 0.45; with noise as assumed, a plane gives
   // 0.453 on average, so that a little less is safer.
@@ -20,7 +20,7 @@ struct TwoViewOptions {
   double min_parallax = 1.0;
   // A reconstruction needs so many points with that parallax (count), and this share of the matches.
   int min_points = 80;
-  double min_point_share = 0.5;
+  double min_point_share = 0.35;
   // Of the motions that a model leaves possible the second best may explain at most this share of the best one's
   // points: otherwise it is not clear which one is true.
   double max_runner_up = 0.75;
