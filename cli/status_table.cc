@@ -68,20 +68,6 @@ std::string QueueLine(const json& status) {
          ", " + Timing(timings, "commit") + "\n";
 }
 
-// Nothing where the server does nothing by itself.
-std::string WeldLine(const json& status) {
-  if (!status.contains("welds")) return {};
-  const json& welds = status.at("welds");
-  const json timings = status.value("timings", json::object());
-  const json optimization = status.value("optimization", json::object());
-  return Count(welds, "merges") + " merges, " + Count(welds, "loops") + " loops, " + Count(welds, "refused") +
-         " refused; " + Timing(timings, "recognition") + ", " + Timing(timings, "merge") +
-         (optimization.value("running", false)
-              ? "; optimising map " + optimization.value("map", std::string("?"))
-              : "; " + Count(timings.value("global_bundle", json::object()), "count") + " global bundle adjustments") +
-         "\n";
-}
-
 std::string Maps(const json& status) {
   std::vector<Row> rows{{"map", "state", "keyframes", "landmarks", "sessions"}};
   for (const json& map : status.value("maps", json::array())) {

@@ -33,6 +33,7 @@ class RecognitionThread {
 
  private:
   void Run(const std::stop_token& stop);
+  void IndexRecovered(const std::stop_token& stop);
   // False when there is nothing to look up.
   bool LookUpOne();
   void TakeIn(const Atlas& atlas);

@@ -11,8 +11,8 @@
 namespace pangaea {
 namespace {
 
-// Behind recognition, before bundle adjustment.
-constexpr int kNice = 10;
+// Welds are rare and short, and agents wait for them: before recognition, whose backlog would starve them.
+constexpr int kNice = 2;
 
 bool IsMerge(const PlaceMatch& match, const Atlas& atlas) {
   const Keyframe* query = atlas.FindKeyframe(atlas.Resolve(match.query));
