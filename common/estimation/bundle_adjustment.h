@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <stop_token>
 #include <vector>
 
@@ -61,8 +62,10 @@ struct BundleOptions {
   int iterations_without_outliers = 0;
   double cost_tolerance = 1e-6;  // a phase ends when a step lowers the cost by less than this, relatively
   int threads = 1;               // Ceres only
-  double max_seconds = 0.0;      // Ceres only, per phase; 0: no limit. The others read no clock.
-  std::stop_token stop;          // looked at after every step; the best state so far is returned
+  double max_seconds = 0.0;      // Ceres only, per phase; 0: no limit
+  // The others read no clock and ask after every step instead; the best state so far is returned. None: no limit.
+  std::function<bool()> out_of_time = {};
+  std::stop_token stop;  // looked at after every step; the best state so far is returned
 
   Status Check() const;
 };

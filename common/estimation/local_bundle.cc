@@ -92,6 +92,7 @@ class LocalBundle {
         outcome.cancelled = true;
         break;
       }
+      if (phase_.options.out_of_time && phase_.options.out_of_time()) break;
       const bool is_last = outcome.iterations == phase_.iterations || outcome.converged;
       if (solved && decrease >= 0.0 && !is_last) Linearize();
     }

@@ -32,9 +32,15 @@ BundleWindow WholeMap(const Atlas& atlas, MapId map) {
   return window;
 }
 
-BundleOptions SolverOptions(const GlobalBundleOptions& options, std::size_t keyframes, std::stop_token stop) {
+std::size_t CovisiblePairs(const Atlas& atlas, const std::vector<KeyframeId>& keyframes) {
+  std::size_t ends = 0;
+  for (const KeyframeId id : keyframes) ends += atlas.FindKeyframe(id)->covisible.size();
+  return ends / 2;
+}
+
+BundleOptions SolverOptions(const GlobalBundleOptions& options, std::size_t pairs, std::stop_token stop) {
   BundleOptions solver;
-  solver.solver = keyframes <= options.direct_keyframes ? BundleSolver::kSparse : BundleSolver::kIterativeSchur;
+  solver.solver = pairs <= options.direct_pairs ? BundleSolver::kSparse : BundleSolver::kIterativeSchur;
   solver.iterations = options.iterations;
   solver.iterations_without_outliers = options.iterations_without_outliers;
   solver.cost_tolerance = options.cost_tolerance;
@@ -139,12 +145,15 @@ Status GlobalBundleOptions::Check() const {
 }
 
 std::optional<GlobalBundle> AdjustMap(const Atlas& snapshot, MapId map, const GlobalBundleOptions& options,
-                                      std::stop_token stop) {
+                                      std::stop_token stop, const std::function<bool()>& out_of_time) {
   PANGAEA_CHECK(options.Check().has_value());
   const BundleWindow window = WholeMap(snapshot, map);
   if (window.free.empty() || window.landmarks.empty() || stop.stop_requested()) return std::nullopt;
   const WindowBundle bundle = BuildWindowBundle(snapshot, window, options.noise);
-  auto result = SolveBundle(bundle.problem, SolverOptions(options, bundle.keyframes.size(), std::move(stop)));
+  const std::size_t pairs = CovisiblePairs(snapshot, bundle.keyframes);
+  BundleOptions solver = SolverOptions(options, pairs, std::move(stop));
+  solver.out_of_time = out_of_time;
+  auto result = SolveBundle(bundle.problem, solver);
   // A number out of all bounds in the map itself: nothing to adjust.
   if (!result || result->cancelled) return std::nullopt;
 

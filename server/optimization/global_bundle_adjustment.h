@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <stop_token>
 #include <vector>
@@ -19,12 +20,15 @@ struct GlobalBundleOptions {
   // A keyframe with fewer observations (count) keeps its pose relative to its parent: six unknowns want some
   // redundancy.
   std::size_t min_observations = 10;
-  // Larger maps (keyframes) are solved by conjugate gradients, whose memory grows with the observations alone: the
-  // factor of the sparse reduced system grows faster where many keyframes see the same place.
-  std::size_t direct_keyframes = 5000;
-  // Of those larger maps only; up to there the steps bound the time.
-  int threads = 1;
-  double max_seconds = 60.0;  // of each of the two phases; the best state so far is taken. 0: no limit
+  // Maps with more pairs of covisible keyframes are solved by conjugate gradients, whose memory grows with the
+  // observations alone. The direct solver's grows with the pairs, 300 bytes each, and with what its factor fills in,
+  // at worst the square of 6 x 8 bytes a keyframe: 5,000 keyframes of a long flight have 150,000 pairs, 775 that all
+  // see one room 300,000.
+  std::size_t direct_pairs = 300000;
+  // Of those larger maps, whose solver reads the clock itself: seconds of each of the two phases, after which the best
+  // state so far is taken. 0: no limit. For the others, see AdjustMap.
+  double max_seconds = 60.0;
+  int threads = 1;  // of those larger maps
 
   Status Check() const;
 };
@@ -45,7 +49,8 @@ struct GlobalBundle {
 // camera has no scale of its own: it keeps its median depth.
 // Nothing where there is no such map, too little in it to adjust, or a stop was requested: a bundle adjustment that was
 // cut short is worth less than the one that will follow. `options` must pass their check.
+// `out_of_time` is asked after every step of the direct solver: when it says so, the best state so far is taken.
 std::optional<GlobalBundle> AdjustMap(const Atlas& snapshot, MapId map, const GlobalBundleOptions& options,
-                                      std::stop_token stop);
+                                      std::stop_token stop, const std::function<bool()>& out_of_time = {});
 
 }  // namespace pangaea

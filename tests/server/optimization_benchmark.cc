@@ -48,7 +48,7 @@ void GlobalBundleOf1000Keyframes(benchmark::State& state) {
                               .outliers = 0.01});
   const Atlas disturbed = Corrected(ring.atlas, Disturb(ring, 3, 0.02, 0.01, 0.05));
   GlobalBundleOptions options;
-  if (state.range(0) != 0) options.direct_keyframes = 0;
+  if (state.range(0) != 0) options.direct_pairs = 0;
   for (auto _ : state) {
     const auto bundle = AdjustMap(disturbed, ring.map, options, {});
     state.counters["observations"] = static_cast<double>(bundle->observations);
