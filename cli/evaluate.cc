@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cli/evaluation.h"
+#include "cli/single_runs.h"
 
 namespace pangaea {
 namespace {
@@ -18,6 +19,7 @@ struct EvaluateOptions {
   std::vector<std::string> trajectories;
   std::vector<std::string> truths;
   std::string store;
+  std::vector<std::string> singles;
   bool jointly = false;
   bool of_camera = false;
   bool as_json = false;
@@ -47,6 +49,17 @@ Status RunOnFiles(const EvaluateOptions& options, const std::vector<Truth>& trut
   return {};
 }
 
+// How large the shared map is beside those of its sessions alone; empty where these are not known.
+std::string AgainstSingleMaps(const EvaluationReport& report) {
+  const auto single = SumOfSingleRuns(report);
+  if (!single || single->keyframes == 0 || single->landmarks == 0) return "";
+  const auto percent = [](std::size_t part, std::size_t whole) {
+    return std::to_string((200 * part + whole) / (2 * whole)) + " % of the ";
+  };
+  return "against the single maps: " + percent(report.total.keyframes.value_or(0), single->keyframes) + "keyframes, " +
+         percent(report.total.landmarks.value_or(0), single->landmarks) + "landmarks\n";
+}
+
 // Sessions that are alone in their map share one table; a map of several has its own, with the joint error.
 void PrintTables(const StoredAtlas& stored, const std::vector<MapEvaluation>& evaluations,
                  const EvaluateOptions& options) {
@@ -57,7 +70,7 @@ void PrintTables(const StoredAtlas& stored, const std::vector<MapEvaluation>& ev
       alone.alone.push_back(report.alone.front());
     } else {
       std::cout << "map " << ToString(evaluation.map) << ", shared by " << report.alone.size() << " sessions:\n"
-                << FormatTable(report) << "\n";
+                << FormatTable(report) << AgainstSingleMaps(report) << "\n";
     }
   }
   if (!alone.alone.empty()) {
@@ -88,6 +101,7 @@ json StoreJson(const StoredAtlas& stored, const std::vector<MapEvaluation>& eval
       sessions.push_back(std::move(session));
     }
     if (report.contains("joint")) map["joint"] = std::move(report["joint"]);
+    if (report.contains("single")) map["single"] = std::move(report["single"]);
     maps.push_back(std::move(map));
   }
   return {{"site", stored.site},
@@ -108,8 +122,11 @@ Status RunOnStore(const EvaluateOptions& options, const std::vector<Truth>& trut
   if (std::ranges::none_of(stored->parts, [](const SessionPart& part) { return part.truth.has_value(); })) {
     return Fail(ErrorCode::kInvalidArgument, options.store + ": none of the truths given belongs to a session of it");
   }
-  const auto evaluations = EvaluateMaps(*stored, options.error);
+  auto evaluations = EvaluateMaps(*stored, options.error);
   if (!evaluations) return tl::make_unexpected(evaluations.error());
+  const auto singles = ReadSingleRuns(options.singles, truths, options.error);
+  if (!singles) return tl::make_unexpected(singles.error());
+  CompareWithSingleRuns(*singles, *evaluations);
   if (options.as_json) {
     PrintJson(StoreJson(*stored, *evaluations, options));
   } else {
@@ -122,6 +139,9 @@ Status Run(const EvaluateOptions& options) {
   if (options.store.empty() == options.trajectories.empty()) {
     return Fail(ErrorCode::kInvalidArgument, "give either --store or --trajectory");
   }
+  if (options.store.empty() && !options.singles.empty()) {
+    return Fail(ErrorCode::kInvalidArgument, "--single compares with a --store");
+  }
   const auto truths = ReadTruths(options.truths);
   if (!truths) return tl::make_unexpected(truths.error());
   return options.store.empty() ? RunOnFiles(options, *truths) : RunOnStore(options, *truths);
@@ -132,6 +152,9 @@ CommandBody Declare(CLI::App& app) {
   app.add_option("--trajectory", options->trajectories,
                  "TUM file of body poses, as an agent writes it; repeatable, with one --truth each, in the same order");
   app.add_option("--store", options->store, "File that holds an atlas: all its sessions, each frame as known by now");
+  app.add_option(
+      "--single", options->singles,
+      "Store of sessions that ran alone, to compare the sizes and errors of their single maps with; repeatable");
   app.add_option("--truth", options->truths, kTruthHelp)->required();
   app.add_flag("--joint", options->jointly,
                "Files: also under one alignment for all, for trajectories of one map (a store knows by itself)");

@@ -30,7 +30,13 @@ struct Summary {
   ErrorStatistics error;
 };
 
-Row ToRow(const Summary& line, const MapCounts& counts) {
+// The columns that compare a session among others with the one that ran alone.
+struct Comparison {
+  std::optional<double> joint_rms;
+  std::optional<SingleRun> single;
+};
+
+Row ToRow(const Summary& line, const MapCounts& counts, const Comparison& comparison) {
   Row row{line.name, line.frames > 0 ? std::to_string(line.frames) : "-", std::to_string(line.estimated),
           line.frames > 0 ? Fixed(100.0 * line.coverage, 1) + " %" : "-"};
   const bool is_known = line.error.count > 0;
@@ -40,6 +46,11 @@ Row ToRow(const Summary& line, const MapCounts& counts) {
   row.push_back(is_known ? Fixed(line.path_length, 1) : "-");
   row.push_back(is_known ? Fixed(line.scale, 4) : "-");
   for (const auto& count : {counts.maps, counts.keyframes, counts.landmarks}) row.push_back(Count(count));
+  row.push_back(comparison.joint_rms ? Fixed(*comparison.joint_rms, 4) : "-");
+  const auto& single = comparison.single;
+  row.push_back(single && single->rms ? Fixed(*single->rms, 4) : "-");
+  row.push_back(single ? std::to_string(single->keyframes) : "-");
+  row.push_back(single ? std::to_string(single->landmarks) : "-");
   return row;
 }
 
@@ -57,6 +68,14 @@ Summary SummaryOf(const AbsoluteError& joint) {
     all.path_length += session.path_length;
   }
   return all;
+}
+
+std::optional<double> JointRms(const EvaluationReport& report, const std::string& name) {
+  if (!report.joint) return std::nullopt;
+  for (const SessionError& session : report.joint->sessions) {
+    if (session.name == name && session.error.count > 0) return session.error.rms;
+  }
+  return std::nullopt;
 }
 
 // Of the columns in which no line says anything, nothing is shown. Names stand left, numbers right.
@@ -104,6 +123,12 @@ nlohmann::json SessionJson(const SessionError& session) {
   return json;
 }
 
+nlohmann::json SingleJson(const SingleRun& single) {
+  nlohmann::json json = {{"keyframes", single.keyframes}, {"landmarks", single.landmarks}};
+  if (single.rms) json["rms_m"] = *single.rms;
+  return json;
+}
+
 nlohmann::json AlignmentJson(const Similarity3d& alignment) {
   const Eigen::Vector3d& t = alignment.translation();
   const Eigen::Quaterniond& q = alignment.rotation();
@@ -114,15 +139,27 @@ nlohmann::json AlignmentJson(const Similarity3d& alignment) {
 
 }  // namespace
 
+std::optional<SingleRun> SumOfSingleRuns(const EvaluationReport& report) {
+  SingleRun sum;
+  for (const EvaluationReport::Row& row : report.alone) {
+    if (!row.single) return std::nullopt;
+    sum.keyframes += row.single->keyframes;
+    sum.landmarks += row.single->landmarks;
+  }
+  return sum;
+}
+
 std::string FormatTable(const EvaluationReport& report) {
   std::vector<Row> rows{{"session", "frames", "tracked", "coverage", "ATE rms m", "median m", "max m", "path m",
-                         "scale", "maps", "keyframes", "landmarks"}};
+                         "scale", "maps", "keyframes", "landmarks", "joint m", "single m", "single keyframes",
+                         "single landmarks"}};
   for (const EvaluationReport::Row& row : report.alone) {
     for (const SessionError& session : row.error.sessions) {
-      rows.push_back(ToRow(SummaryOf(session, row.error.truth_from_estimate.scale()), row.counts));
+      const Summary summary = SummaryOf(session, row.error.truth_from_estimate.scale());
+      rows.push_back(ToRow(summary, row.counts, {JointRms(report, session.name), row.single}));
     }
   }
-  if (report.joint) rows.push_back(ToRow(SummaryOf(*report.joint), report.total));
+  if (report.joint) rows.push_back(ToRow(SummaryOf(*report.joint), report.total, {{}, SumOfSingleRuns(report)}));
   if (!report.with_scale) {
     for (Row& row : rows) row.erase(row.begin() + kScaleColumn);
   }
@@ -136,6 +173,7 @@ nlohmann::json ToJson(const EvaluationReport& report) {
       nlohmann::json entry = SessionJson(session);
       if (session.error.count > 0) entry["truth_from_estimate"] = AlignmentJson(row.error.truth_from_estimate);
       AddCounts(row.counts, entry);
+      if (row.single) entry["single"] = SingleJson(*row.single);
       json["sessions"].push_back(std::move(entry));
     }
   }
@@ -148,6 +186,9 @@ nlohmann::json ToJson(const EvaluationReport& report) {
     json["joint"] = std::move(joint);
   }
   AddCounts(report.total, json);
+  if (report.joint) {
+    if (const auto single = SumOfSingleRuns(report)) json["single"] = SingleJson(*single);
+  }
   return json;
 }
 

@@ -163,6 +163,27 @@ TEST_F(Evaluate, SessionsAreJointOnlyWithinOneMap) {
   EXPECT_EQ(report.at("sessions").size(), 3u);
 }
 
+TEST_F(Evaluate, SingleRunsStandBesideTheSharedMap) {
+  testing::WriteStore(store(), {{.id = 1, .name = "flight"}, {.id = 2, .name = "second", .in_map_of = 1}});
+  testing::WriteStore(Path("first.db"), {{.id = 3, .name = "flight"}});
+  testing::WriteStore(Path("second.db"), {{.id = 4, .name = "second"}});
+  const std::vector<std::string> arguments = {"evaluate", "--store",         store(),   "--single", Path("first.db"),
+                                              "--single", Path("second.db"), "--truth", dataset()};
+  const auto table = RunPangaea(arguments);
+  EXPECT_EQ(table.exit_code, 0) << table.err;
+  EXPECT_THAT(table.out, HasSubstr("single keyframes"));
+  EXPECT_THAT(table.out, HasSubstr("against the single maps: 100 % of the keyframes, 100 % of the landmarks"));
+  std::vector<std::string> with_json = arguments;
+  with_json.emplace_back("--json");
+  const json report = Parse(RunPangaea(with_json));
+  EXPECT_EQ(report.at("maps").at(0).at("single").at("keyframes"), 4);
+  EXPECT_EQ(report.at("sessions").at(1).at("single").at("landmarks"), 6);
+  EXPECT_LT(report.at("sessions").at(1).at("single").at("rms_m").get<double>(), 1e-6);
+  std::vector<std::string> twice = arguments;
+  twice.insert(twice.end(), {"--single", Path("first.db")});
+  EXPECT_THAT(RunPangaea(twice).err, HasSubstr("in an earlier --single"));
+}
+
 TEST_F(Evaluate, ADatasetWithoutGroundTruthStillGivesItsCoverage) {
   std::filesystem::remove_all(folder_.path() / "flight" / "mav0" / "state_groundtruth_estimate0");
   testing::WriteStore(store(), {{.id = 1, .name = "flight"}});
