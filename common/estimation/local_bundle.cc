@@ -18,6 +18,8 @@ namespace {
 using namespace local_bundle;
 using Matrix63d = Eigen::Matrix<double, 6, 3>;
 
+// A long step looks for a stop whenever it has eliminated so many points: some milliseconds.
+constexpr std::size_t kTracksBetweenStops = 1024;
 constexpr double kInitialDamping = 1e-4;
 constexpr double kMinDamping = 1e-10;
 constexpr double kMaxDamping = 1e16;
@@ -148,10 +150,13 @@ class LocalBundle {
   }
 
   // Solves (H + damping * diag(H)) step = -gradient through the reduced camera system. False when that is not
-  // positive definite in floating point.
+  // positive definite in floating point, or a stop was requested during a long step.
   bool SolveStep(double damping) {
     StartReducedSystem(damping);
     for (std::size_t t = 0; t < layout_.tracks.size(); ++t) {
+      if (ReducedSystem::kStepsAreLong && t % kTracksBetweenStops == 0 && phase_.options.stop.stop_requested()) {
+        return false;
+      }
       if (!layout_.tracks[t].fixed) Eliminate(t, damping);
     }
     if (!layout_.free_poses.empty()) {

@@ -18,6 +18,7 @@ namespace pangaea::local_bundle {
 // For few poses, most of which see the same points.
 class DenseReducedSystem {
  public:
+  static constexpr bool kStepsAreLong = false;  // milliseconds, and the caller gets the best state after a whole one
   explicit DenseReducedSystem(const Layout& layout);
 
   void SetZero() { matrix_.setZero(); }
@@ -34,6 +35,7 @@ class DenseReducedSystem {
 // For many poses, of which each shares points with some. Holds the blocks of poses that share a point.
 class SparseReducedSystem {
  public:
+  static constexpr bool kStepsAreLong = true;
   explicit SparseReducedSystem(const Layout& layout);
 
   void SetZero();

@@ -150,6 +150,7 @@ std::optional<GlobalBundle> AdjustMap(const Atlas& snapshot, MapId map, const Gl
   const BundleWindow window = WholeMap(snapshot, map);
   if (window.free.empty() || window.landmarks.empty() || stop.stop_requested()) return std::nullopt;
   const WindowBundle bundle = BuildWindowBundle(snapshot, window, options.noise);
+  if (stop.stop_requested()) return std::nullopt;
   const std::size_t pairs = CovisiblePairs(snapshot, bundle.keyframes);
   BundleOptions solver = SolverOptions(options, pairs, std::move(stop));
   solver.out_of_time = out_of_time;

@@ -165,6 +165,21 @@ TEST(BundleAdjustment, ARequestToStopReturnsTheBestSoFar) {
   }
 }
 
+TEST(BundleAdjustment, TheSparseSolverGivesUpALongStepWhenAStopIsRequested) {
+  const BundleWorld world = MakeBundleWorld(7, {});
+  std::stop_source source;
+  source.request_stop();
+  BundleOptions options = Thorough(BundleSolver::kSparse);
+  options.stop = source.get_token();
+  const auto result = SolveBundle(world.problem, options);
+  ASSERT_TRUE(result);
+  EXPECT_TRUE(result->cancelled);
+  EXPECT_EQ(result->final_cost, result->initial_cost);
+  for (std::size_t i = 0; i < result->poses.size(); ++i) {
+    EXPECT_EQ(result->poses[i].translation(), world.problem.poses[i].camera_from_map.translation());
+  }
+}
+
 TEST(BundleAdjustment, MalformedProblemsAreRefusedWithAReason) {
   const auto error_of = [](void (*spoil)(BundleProblem&)) {
     BundleProblem problem = MakeBundleWorld(8, {.points = 20}).problem;
