@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <stop_token>
 
@@ -24,8 +25,8 @@ struct MapOptimization {
 };
 
 // Looks for duplicates all along a map, and then adjusts it as a whole. Nothing where a stop was requested, or where
-// there is too little to adjust.
+// there is too little to adjust. `out_of_time`: see AdjustMap.
 std::optional<MapOptimization> OptimizeMap(const Atlas& snapshot, MapId map, const MapOptimizationOptions& options,
-                                           const std::stop_token& stop);
+                                           const std::stop_token& stop, const std::function<bool()>& out_of_time = {});
 
 }  // namespace pangaea

@@ -8,6 +8,7 @@
 #include "common/place/vocabulary_file.h"
 #include "server/atlas/map_optimization.h"
 #include "server/fusion/redundancy.h"
+#include "server/runtime/stopwatch.h"
 
 namespace pangaea {
 namespace {
@@ -34,7 +35,10 @@ AtlasWork::AtlasWork(AtlasService& service, const WorkOptions& options,
                      std::shared_ptr<const VocabularyTree> vocabulary, Output output)
     : vocabulary_(std::move(vocabulary)), ledger_(std::move(output.progressed)) {
   const auto optimize = [options = options.map](const Atlas& atlas, MapId map, const std::stop_token& stop) {
-    auto result = OptimizeMap(atlas, map, options, stop);
+    const Stopwatch watch;
+    const double limit = 1e3 * options.bundle.max_seconds;
+    const auto out_of_time = [&] { return limit > 0.0 && watch.milliseconds() > limit; };
+    auto result = OptimizeMap(atlas, map, options, stop, out_of_time);
     if (!result) return std::optional<OptimizedMap>();
     const GlobalBundle& bundle = result->bundle;
     spdlog::info("map {}: {} duplicates fused; {} observations, {} outliers, cost {:.4g} to {:.4g}, {} steps",
