@@ -193,8 +193,9 @@ TEST(OptimizationThread, WeldsCancelTheRunningOneWhichIsLaunchedAgain) {
   optimizer.WaitForBegin(2);
   thread.Welded(M(1), {});
   optimizer.WaitForBegin(3);
-  thread.Stop();
+  // Before the end, which cancels the third.
   EXPECT_EQ(ledger.Read().cancelled_optimizations, 2u);
+  thread.Stop();
 }
 
 TEST(OptimizationThread, StoppingGivesUpWhatRuns) {
