@@ -1,19 +1,14 @@
 #include "common/geometry/essential_matrix.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
-#include "common/base/check.h"
-#include "common/geometry/homography.h"
+#include "common/geometry/direct_linear.h"
 
 namespace pangaea {
 namespace {
 
 constexpr std::size_t kMinimalPoints = 8;
-
-using Matrix9d = Eigen::Matrix<double, 9, 9>;
-using Vector9d = Eigen::Matrix<double, 9, 1>;
 
 // The nearest matrix with singular values 1, 1, 0.
 Eigen::Matrix3d MakeEssential(const Eigen::Matrix3d& matrix) {
@@ -25,23 +20,15 @@ Eigen::Matrix3d MakeEssential(const Eigen::Matrix3d& matrix) {
 
 std::optional<Eigen::Matrix3d> FitEssentialMatrix(std::span<const Eigen::Vector2d> first,
                                                   std::span<const Eigen::Vector2d> second) {
-  PANGAEA_CHECK(first.size() == second.size());
-  if (first.size() < kMinimalPoints) return std::nullopt;
-  const auto condition_first = ConditioningTransform(first);
-  const auto condition_second = ConditioningTransform(second);
-  if (!condition_first || !condition_second) return std::nullopt;
-  Matrix9d normal = Matrix9d::Zero();
-  for (std::size_t i = 0; i < first.size(); ++i) {
-    const Eigen::Vector3d a = *condition_first * first[i].homogeneous();
-    const Eigen::Vector3d b = *condition_second * second[i].homogeneous();
-    Vector9d row;
+  const auto add = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b, direct_linear::Matrix9d& normal) {
+    direct_linear::Vector9d row;
     row << b.x() * a, b.y() * a, a;
     normal += row * row.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Matrix9d> eigen(normal);
-  if (!(eigen.eigenvalues()(1) > 1e-12 * eigen.eigenvalues()(8))) return std::nullopt;
-  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> conditioned(eigen.eigenvectors().col(0).data());
-  const Eigen::Matrix3d matrix = condition_second->transpose() * conditioned * *condition_first;
+  };
+  const auto solution = direct_linear::Solve(first, second, kMinimalPoints, 1e-12, add);
+  if (!solution) return std::nullopt;
+  const Eigen::Matrix3d matrix =
+      solution->condition_second.transpose() * solution->conditioned * solution->condition_first;
   if (!matrix.allFinite()) return std::nullopt;
   return MakeEssential(matrix);
 }

@@ -1,12 +1,11 @@
 #include "common/geometry/homography.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <cmath>
 #include <numbers>
 
-#include "common/base/check.h"
+#include "common/geometry/direct_linear.h"
 
 namespace pangaea {
 namespace {
@@ -14,9 +13,6 @@ namespace {
 constexpr std::size_t kMinimalPoints = 4;
 // Singular values closer to each other than this leave the plane's normal undetermined.
 constexpr double kMinSingularRatio = 1.00001;
-
-using Matrix9d = Eigen::Matrix<double, 9, 9>;
-using Vector9d = Eigen::Matrix<double, 9, 1>;
 
 // What Faugeras and Lustman call R' and t', for one choice of signs: the motion in the axes of the singular vectors.
 struct CanonicalMotion {
@@ -61,25 +57,18 @@ std::optional<Eigen::Matrix3d> ConditioningTransform(std::span<const Eigen::Vect
 
 std::optional<Eigen::Matrix3d> FitHomography(std::span<const Eigen::Vector2d> first,
                                              std::span<const Eigen::Vector2d> second) {
-  PANGAEA_CHECK(first.size() == second.size());
-  if (first.size() < kMinimalPoints) return std::nullopt;
-  const auto condition_first = ConditioningTransform(first);
-  const auto condition_second = ConditioningTransform(second);
-  if (!condition_first || !condition_second) return std::nullopt;
-  Matrix9d normal = Matrix9d::Zero();
-  for (std::size_t i = 0; i < first.size(); ++i) {
-    const Eigen::Vector3d a = *condition_first * first[i].homogeneous();
-    const Eigen::Vector3d b = *condition_second * second[i].homogeneous();
+  using direct_linear::Vector9d;
+  const auto add = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b, direct_linear::Matrix9d& normal) {
     Vector9d row_u, row_v;
     row_u << a, Eigen::Vector3d::Zero(), -b.x() * a;
     row_v << Eigen::Vector3d::Zero(), a, -b.y() * a;
     normal += row_u * row_u.transpose() + row_v * row_v.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Matrix9d> eigen(normal);
+  };
   // Two solutions of equal error: collinear points.
-  if (!(eigen.eigenvalues()(1) > 1e-9 * eigen.eigenvalues()(8))) return std::nullopt;
-  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> conditioned(eigen.eigenvectors().col(0).data());
-  const Eigen::Matrix3d homography = condition_second->inverse() * conditioned * *condition_first;
+  const auto solution = direct_linear::Solve(first, second, kMinimalPoints, 1e-9, add);
+  if (!solution) return std::nullopt;
+  const Eigen::Matrix3d homography =
+      solution->condition_second.inverse() * solution->conditioned * solution->condition_first;
   if (!homography.allFinite()) return std::nullopt;
   return homography;
 }
