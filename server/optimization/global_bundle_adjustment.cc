@@ -8,6 +8,7 @@
 
 #include "common/base/check.h"
 #include "common/estimation/bundle_adjustment.h"
+#include "common/map/edits/reference_scale.h"
 #include "common/map/spanning_tree.h"
 #include "common/mapping/bundle_window.h"
 
@@ -118,8 +119,7 @@ std::vector<CorrectedKeyframe> Keyframes(const Atlas& atlas, MapId map, const Wi
     if (before.parent.valid() && observations[pose] < min_observations) {
       const CorrectedKeyframe& parent = corrected.at(before.parent);
       const Rigid3d from_parent = before.camera_from_map * atlas.FindKeyframe(before.parent)->camera_from_map.Inverse();
-      after.camera_from_map =
-          Rigid3d(from_parent.rotation(), parent.scale * from_parent.translation()) * parent.camera_from_map;
+      after.camera_from_map = ScaleLengths(from_parent, parent.scale) * parent.camera_from_map;
       after.scale = parent.scale;
     }
     corrected[id] = after;
