@@ -11,70 +11,12 @@
 #include "common/map/digest.h"
 #include "tests/map/small_world.h"
 #include "tests/server/flight.h"
+#include "tests/server/ingest_harness.h"
 
 namespace pangaea {
 namespace {
 
-constexpr Sender kAgent{1, 100};
 constexpr Sender kIntruder{2, 200};
-
-// The ingest with a store that always takes everything.
-class Ingest {
- public:
-  IngestOutcome Take(const std::vector<Envelope>& envelopes, Sender sender = kAgent) {
-    IngestRound round(state_, {}, 1234);
-    for (const Envelope& envelope : envelopes) round.Take(EnvelopeArrived{envelope, sender});
-    return Adopt(std::move(round));
-  }
-  IngestOutcome Announce(const SessionAnnouncement& announcement, Sender sender = kAgent) {
-    IngestRound round(state_, {}, 1234);
-    round.Take(SessionAnnounced{announcement, sender});
-    return Adopt(std::move(round));
-  }
-  IngestOutcome Lose(std::uint64_t writer) {
-    IngestRound round(state_, {}, 1234);
-    round.Take(WriterLost{writer});
-    return Adopt(std::move(round));
-  }
-  IngestOutcome Propose(EditsProposed proposal) {
-    IngestRound round(state_, {}, 1234);
-    round.Take(std::move(proposal));
-    return Adopt(std::move(round));
-  }
-  // Expects that the next envelope of the flight, with `edits` or spoiled, is rejected whole, and that the flight goes
-  // on after it.
-  void ExpectRejected(Flight& flight, const Envelope& envelope, RejectionReason reason) {
-    const std::uint64_t digest = Digest(state_.atlas);
-    const std::uint64_t version = state_.atlas.version();
-    const IngestOutcome outcome = Take({envelope});
-    EXPECT_EQ(Digest(state_.atlas), digest);
-    EXPECT_EQ(state_.atlas.version(), version);
-    EXPECT_TRUE(outcome.batch.entries.empty());
-    ASSERT_EQ(outcome.batch.rejections.size(), 1u);
-    EXPECT_EQ(outcome.batch.rejections[0].session, envelope.session);
-    ASSERT_EQ(outcome.acks.size(), 1u);
-    EXPECT_EQ(outcome.acks[0].up_to, envelope.sequence);
-    ASSERT_EQ(outcome.acks[0].rejections.size(), 1u);
-    EXPECT_EQ(outcome.acks[0].rejections[0].sequence, envelope.sequence);
-    EXPECT_EQ(outcome.acks[0].rejections[0].reason, reason) << outcome.acks[0].rejections[0].text;
-    EXPECT_FALSE(outcome.acks[0].rejections[0].text.empty());
-    ASSERT_EQ(outcome.events.size(), 1u);
-    EXPECT_EQ(outcome.events[0].kind, AtlasEventKind::kRejected);
-    EXPECT_EQ(Take({flight.Next()}).batch.entries.size(), 1u);
-    EXPECT_EQ(Digest(state_.atlas), Digest(flight.atlas()));
-  }
-
-  const IngestState& state() const { return state_; }
-
- private:
-  IngestOutcome Adopt(IngestRound round) {
-    IngestOutcome outcome = std::move(round).Finish();
-    state_ = outcome.state;
-    return outcome;
-  }
-
-  IngestState state_;
-};
 
 TEST(IngestRound, AcceptedEnvelopesAreJournaledAcknowledgedAndAppliedInOrder) {
   Ingest ingest;
@@ -331,98 +273,6 @@ TEST(IngestRound, RecordsThatWereNotSavedAreSavedWithTheNextRound) {
   const IngestOutcome outcome = std::move(round).Finish({kAnna});
   ASSERT_EQ(outcome.batch.sessions.size(), 1u);
   EXPECT_EQ(outcome.batch.sessions[0].announcement.session, kAnna);
-}
-
-EditsProposed Proposing(std::vector<MapEdit> edits) {
-  return {{"tidying"}, [edits = std::move(edits)](const Atlas&) { return edits; }};
-}
-
-TEST(IngestRound, EditsOfTheServersOwnStandInTheJournalAmongTheEnvelopesWithTheirCause) {
-  Ingest ingest;
-  Flight flight(kAnna);
-  IngestRound round(ingest.state(), {}, 1234);
-  round.Take(EnvelopeArrived{flight.Next(), kAgent});
-  round.Take(Proposing({RemoveLandmark{L(1)}}));
-  round.Take(EnvelopeArrived{flight.Next(), kAgent});
-  const IngestOutcome outcome = std::move(round).Finish();
-  ASSERT_EQ(outcome.batch.server_edits.size(), 1u);
-  EXPECT_EQ(outcome.batch.server_edits[0].position, 2u);
-  EXPECT_EQ(outcome.batch.server_edits[0].cause, "tidying 2");
-  EXPECT_EQ(outcome.batch.entries.at(1).position, 3u);
-  ASSERT_TRUE(outcome.answers.at(0));
-  EXPECT_EQ(outcome.answers[0]->position, 2u);
-  EXPECT_EQ(outcome.state.atlas.FindLandmark(L(1)), nullptr);
-}
-
-TEST(IngestRound, EditsOfTheServersOwnAreMadeFromTheAtlasAsItIsThen) {
-  Ingest ingest;
-  Flight flight(kAnna);
-  IngestRound round(ingest.state(), {}, 1234);
-  round.Take(EnvelopeArrived{flight.Next(), kAgent});
-  std::size_t keyframes = 0;
-  const auto look = [&keyframes](const Atlas& atlas) {
-    keyframes = atlas.keyframe_count();
-    return std::vector<MapEdit>();
-  };
-  round.Take(EditsProposed{{"merge"}, look});
-  const IngestOutcome outcome = std::move(round).Finish();
-  EXPECT_EQ(keyframes, 1u);
-  EXPECT_TRUE(outcome.batch.server_edits.empty());
-  ASSERT_TRUE(outcome.answers.at(0));
-  EXPECT_EQ(outcome.answers[0]->position, 0u);
-}
-
-TEST(IngestRound, EditsOfTheServersOwnOfWhichOneDoesNotFitChangeNothing) {
-  Ingest ingest;
-  Flight flight(kAnna);
-  ingest.Take({flight.Next()});
-  const IngestOutcome outcome = ingest.Propose(Proposing({RemoveLandmark{L(1)}, RemoveKeyframe{K(9000)}}));
-  ASSERT_FALSE(outcome.answers.at(0));
-  EXPECT_EQ(outcome.answers[0].error().code, ErrorCode::kRefused);
-  EXPECT_TRUE(outcome.batch.empty());
-  EXPECT_EQ(Fingerprint(ingest.state().atlas), Fingerprint(flight.atlas()));
-}
-
-TEST(IngestRound, EditsThatMayBeUndoneCarryTheAtlasBeforeThemAndTheirEventNamesTheCause) {
-  Ingest ingest;
-  Flight flight(kAnna);
-  ingest.Take({flight.Next()});
-  EditsProposed proposal = Proposing({RemoveLandmark{L(1)}});
-  proposal.keep_before = true;
-  proposal.event = AtlasEvent{{}, AtlasEventKind::kCulled, "1 landmark", 0, 0};
-  const IngestOutcome outcome = ingest.Propose(std::move(proposal));
-  ASSERT_EQ(outcome.kept.size(), 1u);
-  EXPECT_EQ(outcome.kept[0].position, 1u);
-  EXPECT_EQ(Fingerprint(outcome.kept[0].atlas), Fingerprint(flight.atlas()));
-  ASSERT_EQ(outcome.events.size(), 1u);
-  EXPECT_EQ(outcome.events[0].text, "tidying 2: 1 landmark");
-}
-
-// The server found that two landmarks of Anna are one, and that a keyframe sees a landmark which its agent did not see.
-TEST(IngestRound, WhereAgentAndServerDisagreeAboutAKeypointTheServersWordStands) {
-  Ingest ingest;
-  Flight flight(kAnna, {.keypoints = 44});
-  ingest.Take({flight.Next(), flight.Next(), flight.Next(), flight.Next()});
-  ASSERT_TRUE(ingest.Propose(Proposing({AddObservation{L(1), K(3), 40}})).answers.at(0));
-  const Envelope other = MakeEnvelope(kAnna, 5, 0, std::vector<MapEdit>{AddObservation{L(2), K(3), 40}});
-  const Envelope created = MakeEnvelope(kAnna, 6, 0, std::vector<MapEdit>{AddLandmark{L(900), K(3), 40, {0, 0, 4}}});
-  const Envelope late = MakeEnvelope(kAnna, 7, 0, std::vector<MapEdit>{AddObservation{L(900), K(4), 41}});
-  const IngestOutcome outcome = ingest.Take({other, created, late});
-  EXPECT_TRUE(outcome.batch.rejections.empty());
-  const Atlas& atlas = ingest.state().atlas;
-  EXPECT_EQ(atlas.FindKeyframe(K(3))->landmarks[40], L(1));
-  EXPECT_EQ(atlas.Resolve(L(900)), L(1)) << "what is new at that keypoint is what is there";
-  EXPECT_EQ(atlas.FindKeyframe(K(4))->landmarks[41], L(1));
-  EXPECT_TRUE(CheckConsistency(atlas).empty());
-}
-
-TEST(IngestRound, WhatBelongsToAnEarlierCauseCarriesItsNumber) {
-  Ingest ingest;
-  Flight flight(kAnna);
-  ingest.Take({flight.Next(), flight.Next()});
-  EditsProposed proposal = Proposing({RemoveLandmark{L(1)}});
-  proposal.cause.number = 1;
-  EXPECT_EQ(ingest.Propose(std::move(proposal)).batch.server_edits.at(0).cause, "tidying 1");
 }
 
 }  // namespace
