@@ -4,8 +4,8 @@
 #include <iostream>
 #include <memory>
 #include <string>
-#include <thread>
 
+#include "cli/interrupt.h"
 #include "common/lcm/recording_publisher.h"
 #include "common/lcm/url.h"
 #include "common/sensor/dataset.h"
@@ -22,10 +22,9 @@ struct PublishArguments {
   RecordingPublisher::Options options;
 };
 
-// Sleeps until a frame is due. A log is written as fast as it can be: its stamps are the recording's.
-void WaitUntilDue(std::int64_t elapsed_ns, double rate, std::chrono::steady_clock::time_point start) {
-  const auto due = static_cast<std::int64_t>(static_cast<double>(elapsed_ns) / rate);
-  std::this_thread::sleep_until(start + std::chrono::nanoseconds(due));
+// When a frame is due.
+std::chrono::nanoseconds Due(std::int64_t elapsed_ns, double rate) {
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(static_cast<double>(elapsed_ns) / rate));
 }
 
 Status Publish(const PublishArguments& arguments) {
@@ -39,11 +38,13 @@ Status Publish(const PublishArguments& arguments) {
   const auto sender = LcmSender::Open(*url);
   if (!sender) return tl::make_unexpected(sender.error());
   RecordingPublisher publisher(*dataset, **sender, arguments.options);
+  Interrupt interrupt;
   const auto start = std::chrono::steady_clock::now();
   for (const DatasetFrame& frame : dataset->frames) {
-    if ((*sender)->is_live()) {
-      WaitUntilDue(frame.stamp_ns - dataset->frames.front().stamp_ns, arguments.rate, start);
-    }
+    // A log is written as fast as it can be: its stamps are the recording's.
+    const auto due = (*sender)->is_live() ? Due(frame.stamp_ns - dataset->frames.front().stamp_ns, arguments.rate)
+                                          : std::chrono::nanoseconds(0);
+    if (interrupt.WaitUntil(start + due)) break;
     if (Status status = publisher.Publish(frame); !status) return status;
   }
   if (Status closed = (*sender)->Close(); !closed) return closed;
