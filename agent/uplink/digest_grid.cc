@@ -6,15 +6,12 @@
 #include <utility>
 
 #include "agent/absorption/absorption.h"
+#include "common/map/digest.h"
 #include "common/map/map_edit.h"
 #include "common/map/spanning_tree.h"
 
 namespace pangaea {
 namespace {
-
-// As in common/map/digest.cc.
-constexpr double kLengthQuantum = 1e-4;
-constexpr double kRotationQuantum = 1e-5;
 
 // Far above rounding, far below the grid and anything a camera sees.
 constexpr double kNudge = 1e-6;
@@ -66,7 +63,7 @@ void FollowServer(SessionId session, const Atlas& mirror, Atlas& own, std::vecto
 }  // namespace
 
 bool OnSameGrid(const Eigen::Vector3d& point_in_map, const Eigen::Vector3d& other_point_in_map) {
-  return SameCells(point_in_map, other_point_in_map, kLengthQuantum);
+  return SameCells(point_in_map, other_point_in_map, kDigestLength);
 }
 
 bool OnSameGrid(const Rigid3d& camera_from_map, const Rigid3d& other_camera_from_map) {
@@ -74,9 +71,9 @@ bool OnSameGrid(const Rigid3d& camera_from_map, const Rigid3d& other_camera_from
   const Rigid3d b = other_camera_from_map.Inverse();
   const Eigen::Matrix3d a_rotation = a.rotation().toRotationMatrix();
   const Eigen::Matrix3d b_rotation = b.rotation().toRotationMatrix();
-  return SameCells(a.translation(), b.translation(), kLengthQuantum) &&
-         SameCells(a_rotation.col(0), b_rotation.col(0), kRotationQuantum) &&
-         SameCells(a_rotation.col(1), b_rotation.col(1), kRotationQuantum);
+  return SameCells(a.translation(), b.translation(), kDigestLength) &&
+         SameCells(a_rotation.col(0), b_rotation.col(0), kDigestRotation) &&
+         SameCells(a_rotation.col(1), b_rotation.col(1), kDigestRotation);
 }
 
 std::vector<MapEdit> AgreeOnDigest(SessionId session, const Atlas& agent, Atlas& mirror, std::vector<MapEdit>& edits) {

@@ -8,9 +8,6 @@
 namespace pangaea {
 namespace {
 
-constexpr double kLengthQuantum = 1e-4;    // 0.1 mm
-constexpr double kRotationQuantum = 1e-5;  // of a direction cosine
-
 class DigestWriter {
  public:
   void Add(const Keyframe& keyframe) {
@@ -41,16 +38,16 @@ class DigestWriter {
  private:
   void AddPose(const Keyframe& keyframe) {
     const Rigid3d map_from_camera = keyframe.camera_from_map.Inverse();
-    AddQuantized(map_from_camera.translation(), kLengthQuantum);
+    AddQuantized(map_from_camera.translation(), kDigestLength);
     // Two columns determine the third. Unlike the quaternion they do not jump at half a turn.
     const Eigen::Matrix3d rotation = map_from_camera.rotation().toRotationMatrix();
-    AddQuantized(rotation.col(0), kRotationQuantum);
-    AddQuantized(rotation.col(1), kRotationQuantum);
+    AddQuantized(rotation.col(0), kDigestRotation);
+    AddQuantized(rotation.col(1), kDigestRotation);
   }
 
   void AddPoint(const Landmark& landmark) {
     AddId(landmark.id);
-    AddQuantized(landmark.point_in_map, kLengthQuantum);
+    AddQuantized(landmark.point_in_map, kDigestLength);
   }
   template <typename Tag>
   void AddId(const Id<Tag>& id) {

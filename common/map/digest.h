@@ -7,6 +7,10 @@
 
 namespace pangaea {
 
+// What a digest tells apart: lengths, and direction cosines.
+inline constexpr double kDigestLength = 1e-4;
+inline constexpr double kDigestRotation = 1e-5;
+
 // A number that two atlases have in common when they hold the same: ids of keyframes, landmarks and their maps,
 // observations, keyframe poses and landmark positions, quantised to 0.1 mm and 10 µrad. It does not depend on how the
 // atlas came to be, nor on frames, the spanning tree or forwarding. For one map or for all.
