@@ -2,6 +2,7 @@
 #include "cli/digest.h"
 #include "cli/evaluate.h"
 #include "cli/export.h"
+#include "cli/import_keyframes.h"
 #include "cli/lcm_publish.h"
 #include "cli/plot.h"
 #include "cli/simulate.h"
@@ -12,6 +13,7 @@
 int main(int argc, char** argv) {
   using namespace pangaea;
   return RunCommandLine({StatusCommand(), EvaluateCommand(), PlotCommand(), ExportCommand(), SimulateCommand(),
-                         DigestCommand(), UndoCommand(), VocabularyCommand(), LcmPublishCommand()},
+                         DigestCommand(), UndoCommand(), VocabularyCommand(), LcmPublishCommand(),
+                         ImportKeyframesCommand()},
                         argc, argv);
 }

@@ -7,7 +7,7 @@
 #include "agent/mapping/guest_rules.h"
 #include "agent/mapping/keyframe_culling.h"
 #include "agent/mapping/keyframe_insertion.h"
-#include "agent/mapping/landmark_creation.h"
+#include "common/mapping/landmark_creation.h"
 #include "agent/mapping/local_bundle_adjustment.h"
 #include "agent/mapping/neighbourhood.h"
 #include "common/base/check.h"

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
-#include <random>
 #include <utility>
 
 #include "agent/runtime/camera_input.h"
@@ -18,17 +17,12 @@
 #include "common/place/vocabulary_file.h"
 #include "common/sensor/rectifier.h"
 #include "common/wire/envelope.h"
+#include "common/wire/session_id.h"
 
 namespace pangaea {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-SessionId RandomSession() {
-  std::random_device device;
-  std::uniform_int_distribution<SessionId> any(1);
-  return any(device);
-}
 
 double SecondsOf(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
@@ -299,7 +293,7 @@ Result<AgentRun> RunAgent(const AgentOptions& options, const std::stop_token& st
   if (!rectifier) return tl::make_unexpected(rectifier.error());
 
   AgentRun run;
-  run.session = RandomSession();
+  run.session = RandomSessionId();
   run.name = options.name.empty() ? input->name : options.name;
   run.body_from_camera = rectifier->body_from_camera();
   auto link = OpenLink(options, run, *rectifier);

@@ -5,7 +5,7 @@
 #include <set>
 #include <utility>
 
-#include "agent/uplink/edit_packing.h"
+#include "common/wire/edit_packing.h"
 #include "common/map/map_edit.h"
 #include "common/wire/envelope.h"
 

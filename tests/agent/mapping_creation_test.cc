@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "agent/mapping/landmark_creation.h"
+#include "common/mapping/landmark_creation.h"
 #include "tests/agent/mapping_wall_map.h"
 
 namespace pangaea::testing {

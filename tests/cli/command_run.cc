@@ -6,6 +6,7 @@
 #include "cli/digest.h"
 #include "cli/evaluate.h"
 #include "cli/export.h"
+#include "cli/import_keyframes.h"
 #include "cli/plot.h"
 
 namespace pangaea::testing {
@@ -16,8 +17,9 @@ CommandRun RunPangaea(const std::vector<std::string>& arguments) {
   ::testing::internal::CaptureStdout();
   ::testing::internal::CaptureStderr();
   CommandRun run;
-  run.exit_code = RunCommandLine({EvaluateCommand(), ExportCommand(), PlotCommand(), DigestCommand()},
-                                 static_cast<int>(words.size()), words.data());
+  run.exit_code =
+      RunCommandLine({EvaluateCommand(), ExportCommand(), PlotCommand(), DigestCommand(), ImportKeyframesCommand()},
+                     static_cast<int>(words.size()), words.data());
   run.out = ::testing::internal::GetCapturedStdout();
   run.err = ::testing::internal::GetCapturedStderr();
   return run;

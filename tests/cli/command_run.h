@@ -12,7 +12,7 @@ struct CommandRun {
   std::string err;
 };
 
-// Runs `pangaea ARGUMENTS...` in this process: the commands that read and draw, without simulator and network.
+// Runs `pangaea ARGUMENTS...` in this process: the commands without simulator and network.
 CommandRun RunPangaea(const std::vector<std::string>& arguments);
 
 }  // namespace pangaea::testing

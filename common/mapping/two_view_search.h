@@ -5,8 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "agent/mapping/local_mapping_options.h"
 #include "common/map/keyframe.h"
+#include "common/mapping/landmark_creation_options.h"
+#include "common/mapping/measurement_noise.h"
 
 namespace pangaea {
 

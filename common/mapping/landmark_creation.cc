@@ -1,11 +1,11 @@
-#include "agent/mapping/landmark_creation.h"
+#include "common/mapping/landmark_creation.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "agent/mapping/two_view_search.h"
 #include "common/geometry/triangulation.h"
+#include "common/mapping/two_view_search.h"
 
 namespace pangaea {
 namespace {

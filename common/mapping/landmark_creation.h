@@ -2,9 +2,10 @@
 
 #include <vector>
 
-#include "agent/mapping/local_mapping_options.h"
 #include "common/map/atlas.h"
 #include "common/map/edits/edits.h"
+#include "common/mapping/landmark_creation_options.h"
+#include "common/mapping/measurement_noise.h"
 
 namespace pangaea {
 

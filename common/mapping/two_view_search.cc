@@ -1,4 +1,4 @@
-#include "agent/mapping/two_view_search.h"
+#include "common/mapping/two_view_search.h"
 
 #include <algorithm>
 #include <array>

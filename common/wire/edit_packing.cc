@@ -1,4 +1,4 @@
-#include "agent/uplink/edit_packing.h"
+#include "common/wire/edit_packing.h"
 
 #include "common/map/map_edit.h"
 
