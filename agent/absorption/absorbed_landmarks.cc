@@ -86,7 +86,6 @@ class LandmarkAbsorption {
   }
 
   void DropObservations(const PieceLandmark& listed) {
-    if (listed.observations.empty()) return;  // it only moved
     const std::vector<Observation> present = atlas().FindLandmark(listed.id)->observations;
     for (const Observation& observation : present) {
       if (FindIn(piece_, observation.keyframe) == nullptr || Holds(listed.observations, observation)) continue;

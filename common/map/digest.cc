@@ -1,5 +1,6 @@
 #include "common/map/digest.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/base/bytes.h"
@@ -79,7 +80,11 @@ std::uint64_t Digest(const Atlas& atlas, std::optional<MapId> map) {
 std::uint64_t DigestOfSession(const Atlas& atlas, SessionId session) {
   DigestWriter digest;
   atlas.ForEachKeyframe(session, [&](const Keyframe& keyframe) { digest.AddOfSession(keyframe); });
-  atlas.ForEachLandmark(session, [&](const Landmark& landmark) { digest.AddOfSession(landmark); });
+  atlas.ForEachLandmark(session, [&](const Landmark& landmark) {
+    // An agent that does not hold the keyframes of others that see it cannot know the landmark.
+    const auto own = [session](const Observation& observation) { return observation.keyframe.session == session; };
+    if (std::ranges::any_of(landmark.observations, own)) digest.AddOfSession(landmark);
+  });
   return digest.Finish();
 }
 

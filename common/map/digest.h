@@ -15,9 +15,9 @@ inline constexpr double kDigestRotation = 1e-5;
 // observations, keyframe poses and landmark positions, quantised to 0.1 mm and 10 µrad. It does not depend on how the
 // atlas came to be, nor on frames, the spanning tree or forwarding. For one map or for all.
 std::uint64_t Digest(const Atlas& atlas, std::optional<MapId> map = std::nullopt);
-// Of the keyframes and landmarks that carry the session's ids: poses, positions, and what its keyframes observe. It
-// does not depend on what other sessions observe, nor on which map they are in by now: an agent and the server have it
-// in common whatever the server has merged, once corrections are absorbed.
+// Of the keyframes that carry the session's ids: poses and what they observe; of the landmarks that do and that one of
+// them observes: positions. It does not depend on what other sessions observe, nor on which map they are in by now: an
+// agent and the server have it in common whatever the server has merged, once corrections are absorbed.
 std::uint64_t DigestOfSession(const Atlas& atlas, SessionId session);
 
 }  // namespace pangaea

@@ -31,7 +31,7 @@ struct PieceLandmark {
   Eigen::Vector3d point_in_map = Eigen::Vector3d::Zero();
   KeyframeId reference;  // one of the observers below; none where there are none
   // By keyframes of the piece, all of them, ascending: a keyframe of the piece that is not among these does not observe
-  // it. Empty for a landmark that only moved.
+  // it. Empty where none of them does any more.
   std::vector<Observation> observations;
 };
 

@@ -26,6 +26,17 @@ bool IsAsKnown(const Atlas& atlas, const Landmark& landmark, const KnownState& k
 
 }  // namespace
 
+// Landmarks that live, that a keyframe was known to observe and that it does not observe any more.
+void AddLost(const Atlas& atlas, const Atlas& before, const Keyframe& keyframe, std::set<LandmarkId>& changed) {
+  const Keyframe* known = before.FindKeyframe(keyframe.id);
+  if (known == nullptr) return;
+  for (std::size_t i = 0; i < known->landmarks.size(); ++i) {
+    const LandmarkId landmark = known->landmarks[i];
+    if (!landmark.valid() || keyframe.landmarks[i] == landmark) continue;
+    if (atlas.FindLandmark(landmark) != nullptr) changed.insert(landmark);
+  }
+}
+
 std::vector<LandmarkId> ChangedLandmarks(const Atlas& atlas, const KnownState& known,
                                          const std::vector<KeyframeId>& keyframes, const std::set<KeyframeId>& fresh) {
   std::set<LandmarkId> changed;
@@ -39,6 +50,7 @@ std::vector<LandmarkId> ChangedLandmarks(const Atlas& atlas, const KnownState& k
       if (!all && !seen.insert(landmark).second) continue;
       if (all || !IsAsKnown(atlas, *atlas.FindLandmark(landmark), known)) changed.insert(landmark);
     }
+    if (!all && known.atlas != nullptr) AddLost(atlas, *known.atlas, keyframe, changed);
   }
   return {changed.begin(), changed.end()};
 }

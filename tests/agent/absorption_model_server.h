@@ -76,7 +76,12 @@ class CorrectingServer {
       if (landmark == nullptr) continue;
       PieceSelection& selection = selection_of(atlas.MapOf(*landmark));
       selection.landmarks.push_back(landmark->id);
-      for (const Observation& observation : landmark->observations) selection.keyframes.push_back(observation.keyframe);
+      // Not always those of others: the agent need not hold all of them.
+      const bool others = !known_.contains(landmark->id) || Below(2) == 0;
+      for (const Observation& observation : landmark->observations) {
+        if (others || observation.keyframe.session == session_) selection.keyframes.push_back(observation.keyframe);
+      }
+      known_.insert(landmark->id);
     }
     for (const KeyframeId id : keyframes_) {
       if (const Keyframe* keyframe = atlas.FindKeyframe(id)) selection_of(keyframe->map).keyframes.push_back(id);
@@ -218,13 +223,16 @@ class CorrectingServer {
   }
 
   void Remove() {
-    const Landmark* landmark = Any(Landmarks(session_));
+    const Landmark* landmark = Any(Landmarks(Below(3) == 0 ? kOther : session_));
     if (landmark == nullptr) return;
     const LandmarkId id = landmark->id;
-    for (const Observation& observation : landmark->observations) keyframes_.insert(observation.keyframe);
+    const Observation seen = landmark->observations[static_cast<std::size_t>(Below(landmark->observations.size()))];
+    for (const Observation& observation : landmark->observations) {
+      if (observation.keyframe.session == session_) keyframes_.insert(observation.keyframe);
+    }
     landmarks_.insert(id);
-    Do(Below(2) == 0 ? MapEdit(RemoveLandmark{id})
-                     : MapEdit(RemoveObservation{id, landmark->observations[0].keyframe}));
+    Do(id.session == session_ && Below(2) == 0 ? MapEdit(RemoveLandmark{id})
+                                               : MapEdit(RemoveObservation{id, seen.keyframe}));
   }
 
   void Cull() {
@@ -258,6 +266,7 @@ class CorrectingServer {
   SessionId session_;
   std::mt19937_64 random_;
   std::uint64_t version_ = 0;
+  std::set<LandmarkId> known_;  // that it has told of
   // What it changed since the last correction.
   std::set<KeyframeId> keyframes_;
   std::set<LandmarkId> landmarks_;

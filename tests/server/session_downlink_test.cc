@@ -120,6 +120,23 @@ TEST(SessionDownlink, LandmarksThatFollowTheirReferenceAreNotSaid) {
   EXPECT_FALSE(std::ranges::any_of(landmarks, [](const PieceLandmark& listed) { return listed.id == L(2); }));
 }
 
+TEST(SessionDownlink, ALandmarkThatNoneOfItsKeyframesObservesAnyMoreIsSaidThoughOthersDo) {
+  SmallWorld world = TwoSessions();
+  SessionDownlink downlink(kBert, {.wanted = 0});
+  downlink.Take(Interest(kBert, 0));
+  Merge(world, 10);
+  ASSERT_TRUE(downlink.Next(View(world, 10, 10)));
+  downlink.Take(Interest(kBert, 10));
+  world.Do(RemoveObservation{L(1), K(1, kBert)});
+  world.Do(RemoveObservation{L(1), K(2, kBert)});
+  const auto correction = downlink.Next(View(world, 11, 11));
+  ASSERT_TRUE(correction);
+  ASSERT_EQ(correction->pieces.size(), 1u);
+  ASSERT_EQ(correction->pieces[0].landmarks.size(), 1u);
+  EXPECT_EQ(correction->pieces[0].landmarks[0].id, L(1));
+  EXPECT_TRUE(correction->pieces[0].landmarks[0].observations.empty());
+}
+
 TEST(SessionDownlink, NewGuestsComeAFewAtATimeAndThoseItHoldsWithoutTheirFeatures) {
   SmallWorld world = TwoSessions();
   Merge(world, 10);
