@@ -9,6 +9,7 @@
 
 #include "cli/evaluation.h"
 #include "cli/single_runs.h"
+#include "cli/work_times.h"
 
 namespace pangaea {
 namespace {
@@ -82,6 +83,7 @@ void PrintTables(const StoredAtlas& stored, const std::vector<MapEvaluation>& ev
   std::cout << "atlas of site " << stored.site << ": " << maps << (maps == 1 ? " map, " : " maps, ")
             << stored.atlas().keyframe_count() << " keyframes, " << stored.atlas().landmark_count()
             << " landmarks; ATE after " << AlignmentName(options) << " alignment\n";
+  if (!stored.work_times.empty()) std::cout << "\n" << FormatWorkTimes(stored.work_times);
 }
 
 // As for files, a list of all sessions, each with its map; and the maps, with the joint error where several share one.
@@ -109,7 +111,8 @@ json StoreJson(const StoredAtlas& stored, const std::vector<MapEvaluation>& eval
           {"sessions", std::move(sessions)},
           {"maps", std::move(maps)},
           {"keyframes", stored.atlas().keyframe_count()},
-          {"landmarks", stored.atlas().landmark_count()}};
+          {"landmarks", stored.atlas().landmark_count()},
+          {"work_times", WorkTimesJson(stored.work_times)}};
 }
 
 Status RunOnStore(const EvaluateOptions& options, const std::vector<Truth>& truths) {

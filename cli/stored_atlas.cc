@@ -97,7 +97,12 @@ Result<StoredAtlas> ReadStoredAtlas(const std::filesystem::path& path) {
   if (!store) return tl::make_unexpected(store.error());
   auto recovered = RecoverAtlas(*store);
   if (!recovered) return tl::make_unexpected(recovered.error());
-  StoredAtlas stored{.site = store->site(), .recovered = std::move(*recovered), .maps = {}, .parts = {}, .remarks = {}};
+  auto times = store->WorkTimes();
+  if (!times) return tl::make_unexpected(times.error());
+  StoredAtlas stored;
+  stored.site = store->site();
+  stored.recovered = std::move(*recovered);
+  stored.work_times = std::move(*times);
   stored.maps = LargestFirst(stored.atlas());
   std::map<SessionId, int> parts;
   for (const MapId map : stored.maps) {

@@ -31,6 +31,7 @@ struct StoredAtlas {
   RecoveredAtlas recovered;
   std::vector<MapId> maps;           // the largest first
   std::vector<SessionPart> parts;    // in the order of `maps`, within a map as the sessions joined
+  std::vector<WorkTime> work_times;  // of the servers that worked on it
   std::vector<std::string> remarks;  // what a person should know: sessions without truth, truths without session
 
   const Atlas& atlas() const { return recovered.atlas; }

@@ -3,6 +3,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "common/geometry/horn.h"
 
@@ -15,7 +16,8 @@ constexpr double kNanoseconds = 1e9;  // in a second
 struct Pairs {
   std::vector<Eigen::Vector3d> truth;
   std::vector<Eigen::Vector3d> estimate;
-  Eigen::Matrix3d rotations = Eigen::Matrix3d::Zero();  // sum of world_from_body * map_from_body^-1
+  std::vector<Eigen::Quaterniond> world_from_map;       // by each pose alone: world_from_body * map_from_body^-1
+  Eigen::Matrix3d rotations = Eigen::Matrix3d::Zero();  // their sum
 };
 
 Pairs Associate(const EvaluatedTrajectory& session, const AbsoluteErrorOptions& options) {
@@ -25,7 +27,8 @@ Pairs Associate(const EvaluatedTrajectory& session, const AbsoluteErrorOptions& 
     if (!truth) continue;
     pairs.truth.push_back(*truth * session.body_from_evaluated.translation());
     pairs.estimate.push_back(pose.world_from_body * session.body_from_evaluated.translation());
-    pairs.rotations += (truth->rotation() * pose.world_from_body.rotation().conjugate()).toRotationMatrix();
+    pairs.world_from_map.push_back(truth->rotation() * pose.world_from_body.rotation().conjugate());
+    pairs.rotations += pairs.world_from_map.back().toRotationMatrix();
   }
   return pairs;
 }
@@ -46,17 +49,31 @@ Similarity3d AlignByOrientation(const Pairs& pairs) {
   return Similarity3d(1.0, rotation, Mean(pairs.truth) - rotation * Mean(pairs.estimate));
 }
 
-ErrorStatistics Summarise(std::vector<double> errors) {
+struct Errors {
+  std::vector<double> distances;  // metres
+  std::vector<double> angles;     // degrees
+
+  void Add(const Errors& others) {
+    distances.insert(distances.end(), others.distances.begin(), others.distances.end());
+    angles.insert(angles.end(), others.angles.begin(), others.angles.end());
+  }
+};
+
+double RootMeanSquare(const std::vector<double>& values) {
+  double squares = 0.0;
+  for (const double value : values) squares += value * value;
+  return values.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(values.size()));
+}
+
+ErrorStatistics Summarise(Errors all) {
+  std::vector<double>& errors = all.distances;
   ErrorStatistics statistics;
+  statistics.rotation_rms = RootMeanSquare(all.angles);
   statistics.count = errors.size();
   if (errors.empty()) return statistics;
   std::ranges::sort(errors);
-  double squares = 0.0;
-  for (const double error : errors) {
-    squares += error * error;
-    statistics.mean += error / static_cast<double>(errors.size());
-  }
-  statistics.rms = std::sqrt(squares / static_cast<double>(errors.size()));
+  for (const double error : errors) statistics.mean += error / static_cast<double>(errors.size());
+  statistics.rms = RootMeanSquare(errors);
   statistics.median = 0.5 * (errors[(errors.size() - 1) / 2] + errors[errors.size() / 2]);
   statistics.max = errors.back();
   return statistics;
@@ -73,12 +90,14 @@ double Ratio(std::size_t part, std::size_t whole) {
 }
 
 SessionError Measure(const EvaluatedTrajectory& session, const Pairs& pairs, const Similarity3d& truth_from_estimate,
-                     std::vector<double>& all_errors) {
-  std::vector<double> errors;
+                     Errors& all_errors) {
+  Errors errors;
   for (std::size_t i = 0; i < pairs.truth.size(); ++i) {
-    errors.push_back((pairs.truth[i] - truth_from_estimate * pairs.estimate[i]).norm());
+    errors.distances.push_back((pairs.truth[i] - truth_from_estimate * pairs.estimate[i]).norm());
+    errors.angles.push_back(pairs.world_from_map[i].angularDistance(truth_from_estimate.rotation()) * 180.0 /
+                            std::numbers::pi);
   }
-  all_errors.insert(all_errors.end(), errors.begin(), errors.end());
+  all_errors.Add(errors);
   SessionError result;
   result.name = session.name;
   result.error = Summarise(std::move(errors));
@@ -138,7 +157,7 @@ Result<AbsoluteError> EvaluateAbsoluteError(std::span<const EvaluatedTrajectory>
   AbsoluteError result;
   result.truth_from_estimate =
       AlignPoints(all.truth, all.estimate, options.with_scale).value_or(AlignByOrientation(all));
-  std::vector<double> errors;
+  Errors errors;
   std::size_t estimated = 0;
   std::size_t frames = 0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {

@@ -43,6 +43,7 @@ struct ErrorStatistics {
   double mean = 0.0;
   double median = 0.0;
   double max = 0.0;
+  double rotation_rms = 0.0;  // degrees, of the orientations after the same alignment
 };
 
 struct SessionError {

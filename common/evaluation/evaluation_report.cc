@@ -7,7 +7,7 @@
 namespace pangaea {
 namespace {
 
-constexpr std::ptrdiff_t kScaleColumn = 8;  // always 1 after SE(3) alignment: not shown then
+constexpr std::ptrdiff_t kScaleColumn = 9;  // always 1 after SE(3) alignment: not shown then
 
 using Row = std::vector<std::string>;
 
@@ -43,6 +43,7 @@ Row ToRow(const Summary& line, const MapCounts& counts, const Comparison& compar
   for (const double error : {line.error.rms, line.error.median, line.error.max}) {
     row.push_back(is_known ? Fixed(error, 4) : "-");
   }
+  row.push_back(is_known ? Fixed(line.error.rotation_rms, 2) : "-");
   row.push_back(is_known ? Fixed(line.path_length, 1) : "-");
   row.push_back(is_known ? Fixed(line.scale, 4) : "-");
   for (const auto& count : {counts.maps, counts.keyframes, counts.landmarks}) row.push_back(Count(count));
@@ -97,11 +98,8 @@ std::string Print(const std::vector<Row>& rows) {
 }
 
 nlohmann::json ErrorJson(const ErrorStatistics& error) {
-  return {{"poses", error.count},
-          {"rms_m", error.rms},
-          {"mean_m", error.mean},
-          {"median_m", error.median},
-          {"max_m", error.max}};
+  return {{"poses", error.count},     {"rms_m", error.rms}, {"mean_m", error.mean},
+          {"median_m", error.median}, {"max_m", error.max}, {"rotation_rms_deg", error.rotation_rms}};
 }
 
 void AddCounts(const MapCounts& counts, nlohmann::json& json) {
@@ -150,8 +148,8 @@ std::optional<SingleRun> SumOfSingleRuns(const EvaluationReport& report) {
 }
 
 std::string FormatTable(const EvaluationReport& report) {
-  std::vector<Row> rows{{"session", "frames", "tracked", "coverage", "ATE rms m", "median m", "max m", "path m",
-                         "scale", "maps", "keyframes", "landmarks", "joint m", "single m", "single keyframes",
+  std::vector<Row> rows{{"session", "frames", "tracked", "coverage", "ATE rms m", "median m", "max m", "rotation deg",
+                         "path m", "scale", "maps", "keyframes", "landmarks", "joint m", "single m", "single keyframes",
                          "single landmarks"}};
   for (const EvaluationReport::Row& row : report.alone) {
     for (const SessionError& session : row.error.sessions) {

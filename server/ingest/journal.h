@@ -39,14 +39,25 @@ struct JournaledRejection {
   Rejection rejection;
 };
 
+// How long the server worked on something of its own.
+struct WorkTime {
+  std::string kind;      // "recognition", "merge", "loop", "pose_graph", "global_bundle"
+  double wall_ms = 0.0;  // milliseconds
+  double cpu_ms = 0.0;   // milliseconds, of the thread that did it
+  std::int64_t unix_ns = 0;
+};
+
 // What becomes durable together, or not at all.
 struct JournalBatch {
   std::vector<JournalEntry> entries;
   std::vector<ServerEdits> server_edits;
   std::vector<JournaledRejection> rejections;
   std::vector<SessionRecord> sessions;  // those that changed, as they are after this batch
+  std::vector<WorkTime> work_times = {};
 
-  bool empty() const { return entries.empty() && server_edits.empty() && rejections.empty() && sessions.empty(); }
+  bool empty() const {
+    return entries.empty() && server_edits.empty() && rejections.empty() && sessions.empty() && work_times.empty();
+  }
 };
 
 }  // namespace pangaea

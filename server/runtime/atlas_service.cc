@@ -80,6 +80,9 @@ void AtlasService::Start(ServiceOutput output) {
 void AtlasService::Stop() {
   queue_.Close();
   if (thread_.joinable()) thread_.join();
+  JournalBatch last;
+  last.work_times = TakeTimes();
+  if (!failed_) (void)Commit(last);
   snapshots_->Stop();
 }
 
@@ -94,6 +97,17 @@ ProposalAnswer AtlasService::ProposeAndWait(EditsProposed proposal) {
   std::promise<ProposalAnswer> promise;
   Propose(std::move(proposal), [&promise](const ProposalAnswer& answer) { promise.set_value(answer); });
   return promise.get_future().get();
+}
+
+void AtlasService::Note(WorkTime time) {
+  constexpr std::size_t kMostWaiting = 10'000;  // while the store takes nothing
+  MutexLock lock(times_mutex_);
+  if (times_.size() < kMostWaiting) times_.push_back(std::move(time));
+}
+
+std::vector<WorkTime> AtlasService::TakeTimes() {
+  MutexLock lock(times_mutex_);
+  return std::exchange(times_, {});
 }
 
 void AtlasService::Tick() { (void)queue_.TryPush(Ticked{}); }
@@ -129,6 +143,7 @@ void AtlasService::RunRound(std::vector<Job> jobs) {
   if (!current_.store_error.empty()) return AdoptWithoutStore(jobs, current_.store_error);
   const std::vector<Clock::time_point> arrivals = EnvelopeArrivals(jobs);
   IngestOutcome outcome = JudgeRound(jobs);
+  outcome.batch.work_times = TakeTimes();
   const Status stored = Commit(outcome.batch);
   if (!stored && stored.error().code == ErrorCode::kUnavailable) {
     return AdoptWithoutStore(jobs, stored.error().message);

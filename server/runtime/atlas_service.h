@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/base/bounded_queue.h"
+#include "common/base/mutex.h"
 #include "common/base/published.h"
 #include "common/base/result.h"
 #include "common/wire/atlas_event.h"
@@ -69,6 +70,8 @@ class AtlasService {
   ProposalAnswer ProposeAndWait(EditsProposed proposal);
   // Any thread: acknowledges to every living session once more what it has; acks carry more than numbers.
   void AcknowledgeAgain();
+  // Any thread: kept in the store with what is committed next, at the next Tick at the latest.
+  void Note(WorkTime time) EXCLUDES(times_mutex_);
   // Any thread, about once a second: the sizes in the state are measured anew, and a full store is tried again.
   void Tick();
   // Any thread: changes the store's quota, in order with what was submitted.
@@ -121,6 +124,7 @@ class AtlasService {
   static std::vector<Clock::time_point> EnvelopeArrivals(const std::vector<Job>& jobs);
   void AcknowledgeLiving();
   static bool HasInput(const std::vector<Job>& jobs);
+  std::vector<WorkTime> TakeTimes() EXCLUDES(times_mutex_);
 
   const std::string site_;
   const ServiceOptions options_;
@@ -128,6 +132,8 @@ class AtlasService {
   const std::vector<std::pair<MapId, MapId>> separations_;
   BoundedQueue<Job> queue_;
   Published<ServiceState> state_;
+  Mutex times_mutex_;
+  std::vector<WorkTime> times_ GUARDED_BY(times_mutex_);  // not in the store yet
 
   // Owned by the atlas thread once it runs.
   Store store_;

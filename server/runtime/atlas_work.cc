@@ -33,7 +33,8 @@ Result<std::unique_ptr<AtlasWork>> AtlasWork::Create(AtlasService& service, cons
 
 AtlasWork::AtlasWork(AtlasService& service, const WorkOptions& options,
                      std::shared_ptr<const VocabularyTree> vocabulary, Output output)
-    : vocabulary_(std::move(vocabulary)), ledger_(std::move(output.progressed)) {
+    : vocabulary_(std::move(vocabulary)),
+      ledger_(std::move(output.progressed), [&service](WorkTime time) { service.Note(std::move(time)); }) {
   const auto optimize = [options = options.map](const Atlas& atlas, MapId map, const std::stop_token& stop) {
     const Stopwatch watch;
     const double limit = 1e3 * options.bundle.max_seconds;

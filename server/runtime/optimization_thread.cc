@@ -86,6 +86,7 @@ void OptimizationThread::Optimize(const Atlas& snapshot, MapId map, const std::s
   const auto optimized = jobs_.optimize(snapshot, map, running.get_token());
   const double milliseconds = watch.milliseconds();
   const bool cancelled = running.stop_requested();
+  if (!cancelled) ledger_.Keep("global_bundle", watch);
   if (optimized && !cancelled) Propose(*optimized);
   std::size_t waiting = 0;
   {

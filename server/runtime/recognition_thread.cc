@@ -67,6 +67,7 @@ bool RecognitionThread::LookUpOne() {
   const double milliseconds = watch.milliseconds();
   spdlog::debug("keyframe {} looked up in {:.1f} ms: {}", ToString(*keyframe), milliseconds,
                 ToString(recognition.report.outcome));
+  ledger_.Keep("recognition", watch);
   ledger_.Write([&](WorkReport& report) {
     report.recognition_ms.Add(milliseconds);
     report.recognized += recognition.matches.size();

@@ -105,7 +105,7 @@ void WeldingThread::WeldMerge(const PlaceMatch& match, const WeldingPlan& plan, 
                               const std::stop_token& stop) {
   const ProposalAnswer answer = Propose(plan, std::nullopt);
   if (!answer) return Refused(match, true, answer.error().message);
-  Welded(match, plan, answer->cause, watch.milliseconds());
+  Welded(match, plan, answer->cause, watch);
   const auto spread = Spread(plan, stop);
   if (!spread) return;
   const auto rebase = [&spread](const Atlas& current) { return OptimizationEdits({{}, {*spread}, {}}, current); };
@@ -120,7 +120,7 @@ void WeldingThread::WeldLoop(const PlaceMatch& match, const WeldingPlan& plan, c
   if (!spread) return;
   const ProposalAnswer answer = Propose(plan, spread);
   if (!answer) return Refused(match, false, answer.error().message);
-  Welded(match, plan, answer->cause, watch.milliseconds());
+  Welded(match, plan, answer->cause, watch);
 }
 
 std::optional<Correction> WeldingThread::Spread(const WeldingPlan& plan, const std::stop_token& stop) {
@@ -130,6 +130,7 @@ std::optional<Correction> WeldingThread::Spread(const WeldingPlan& plan, const s
   if (!spread) return std::nullopt;
   spdlog::debug("pose graph of map {}: {} edges, cost {:.3g} to {:.3g}, {:.0f} ms", ToString(plan.map), spread->edges,
                 spread->initial_cost, spread->final_cost, watch.milliseconds());
+  ledger_.Keep("pose_graph", watch);
   ledger_.Write([&](WorkReport& report) { report.pose_graph_ms.Add(watch.milliseconds()); });
   return std::move(spread->correction);
 }
@@ -144,7 +145,10 @@ ProposalAnswer WeldingThread::Propose(const WeldingPlan& plan, const std::option
   return service_.ProposeAndWait(std::move(proposal));
 }
 
-void WeldingThread::Welded(const PlaceMatch& match, const WeldingPlan& plan, const Cause& cause, double milliseconds) {
+void WeldingThread::Welded(const PlaceMatch& match, const WeldingPlan& plan, const Cause& cause,
+                           const Stopwatch& watch) {
+  const double milliseconds = watch.milliseconds();
+  ledger_.Keep(plan.is_merge() ? "merge" : "loop", watch);
   WeldReport weld = ReportOf(match, plan.is_merge());
   weld.cause = cause.Text();
   weld.text = Describe(plan);

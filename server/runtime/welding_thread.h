@@ -46,7 +46,7 @@ class WeldingThread {
   void WeldLoop(const PlaceMatch& match, const WeldingPlan& plan, const Stopwatch& watch, const std::stop_token& stop);
   std::optional<Correction> Spread(const WeldingPlan& plan, const std::stop_token& stop);
   ProposalAnswer Propose(const WeldingPlan& plan, const std::optional<Correction>& spread);
-  void Welded(const PlaceMatch& match, const WeldingPlan& plan, const Cause& cause, double milliseconds);
+  void Welded(const PlaceMatch& match, const WeldingPlan& plan, const Cause& cause, const Stopwatch& watch);
   void Refused(const PlaceMatch& match, bool merge, const std::string& why);
 
   AtlasService& service_;

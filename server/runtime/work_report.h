@@ -11,7 +11,10 @@
 
 #include "common/base/mutex.h"
 #include "common/map/ids.h"
+#include "server/ingest/journal.h"
 #include "server/runtime/latency_window.h"
+#include "server/runtime/stopwatch.h"
+#include "server/runtime/unix_clock.h"
 
 namespace pangaea {
 
@@ -65,8 +68,10 @@ struct WorkReport {
 // The report, written by the threads that do the work.
 class WorkLedger {
  public:
-  // `written` is called after each change, on the thread that made it.
-  explicit WorkLedger(std::function<void()> written = [] {}) : written_(std::move(written)) {}
+  // `written` is called after each change, `keep` with each time that was taken, on the thread that did so.
+  explicit WorkLedger(
+      std::function<void()> written = [] {}, std::function<void(WorkTime)> keep = [](const WorkTime&) {})
+      : written_(std::move(written)), keep_(std::move(keep)) {}
 
   template <typename Change>
   void Write(Change&& change) EXCLUDES(mutex_) {
@@ -76,6 +81,10 @@ class WorkLedger {
     }
     written_();
   }
+  // What took from the watch's construction until now: for the store. The report is Write's.
+  void Keep(const char* kind, const Stopwatch& watch) {
+    keep_({kind, watch.milliseconds(), watch.cpu_milliseconds(), UnixNanoseconds()});
+  }
   WorkReport Read() const EXCLUDES(mutex_) {
     MutexLock lock(mutex_);
     return report_;
@@ -83,6 +92,7 @@ class WorkLedger {
 
  private:
   const std::function<void()> written_;
+  const std::function<void(WorkTime)> keep_;
   mutable Mutex mutex_;
   WorkReport report_ GUARDED_BY(mutex_);
 };

@@ -69,6 +69,11 @@ CREATE TABLE separations(
   first_counter INTEGER NOT NULL,
   second_session INTEGER NOT NULL,
   second_counter INTEGER NOT NULL);
+CREATE TABLE work_times(
+  kind TEXT NOT NULL,
+  wall_us INTEGER NOT NULL,
+  cpu_us INTEGER NOT NULL,
+  unix_ns INTEGER NOT NULL);
 )";
 
 // From schema 1: what undo needs.
@@ -83,6 +88,16 @@ CREATE TABLE separations(
   second_session INTEGER NOT NULL,
   second_counter INTEGER NOT NULL);
 PRAGMA user_version=2;
+)";
+
+// From schema 2: the times of the server's work.
+constexpr const char* kUpgradeFrom2 = R"(
+CREATE TABLE work_times(
+  kind TEXT NOT NULL,
+  wall_us INTEGER NOT NULL,
+  cpu_us INTEGER NOT NULL,
+  unix_ns INTEGER NOT NULL);
+PRAGMA user_version=3;
 )";
 
 Status WriteIdentity(Database& database, const std::string& site) {
@@ -124,7 +139,10 @@ Status UpgradeSchema(Database& database) {
   if (*schema == kStoreSchema) return {};
   auto transaction = Transaction::Begin(database);
   if (!transaction) return tl::make_unexpected(transaction.error());
-  if (auto status = database.Execute(kUpgradeFrom1); !status) return status;
+  if (*schema < 2) {
+    if (auto status = database.Execute(kUpgradeFrom1); !status) return status;
+  }
+  if (auto status = database.Execute(kUpgradeFrom2); !status) return status;
   return transaction->Commit();
 }
 

@@ -6,8 +6,9 @@
 
 namespace pangaea {
 
-// Version of the tables. Older stores are read, and upgraded when a server opens them: 2 added what undo needs.
-inline constexpr int kStoreSchema = 2;
+// Version of the tables. Older stores are read, and upgraded when a server opens them: 2 added what undo needs, 3 the
+// times of the server's work.
+inline constexpr int kStoreSchema = 3;
 inline constexpr int kOldestStoreSchema = 1;
 
 // Makes the tables in an empty file and writes down whose atlas it holds.

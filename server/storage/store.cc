@@ -118,6 +118,7 @@ Status Store::Append(const JournalBatch& batch) {
   if (auto status = AppendServerEdits(batch.server_edits); !status) return status;
   if (auto status = AppendRejections(batch.rejections); !status) return status;
   if (auto status = UpdateSessions(batch.sessions); !status) return status;
+  if (auto status = AppendWorkTimes(batch.work_times); !status) return status;
   return transaction->Commit();
 }
 
@@ -171,6 +172,33 @@ Status Store::UpdateSessions(const std::vector<SessionRecord>& sessions) {
     if (auto status = upsert->Bind(record.acknowledged).Bind(record.rejected).Run(); !status) return status;
   }
   return {};
+}
+
+Status Store::AppendWorkTimes(const std::vector<WorkTime>& times) {
+  if (times.empty()) return {};
+  auto insert = Statement::Prepare(*database_, "INSERT INTO work_times VALUES(?1, ?2, ?3, ?4)");
+  if (!insert) return tl::make_unexpected(insert.error());
+  const auto microseconds = [](double milliseconds) { return static_cast<std::int64_t>(1e3 * milliseconds); };
+  for (const WorkTime& time : times) {
+    insert->Bind(std::string_view(time.kind)).Bind(microseconds(time.wall_ms)).Bind(microseconds(time.cpu_ms));
+    if (auto status = insert->Bind(time.unix_ns).Run(); !status) return status;
+  }
+  return {};
+}
+
+Result<std::vector<WorkTime>> Store::WorkTimes() {
+  std::vector<WorkTime> times;
+  const auto schema = database_->Number("PRAGMA user_version");
+  if (!schema) return tl::make_unexpected(schema.error());
+  if (*schema < 3) return times;
+  auto select = Statement::Prepare(*database_, "SELECT kind, wall_us, cpu_us, unix_ns FROM work_times ORDER BY rowid");
+  if (!select) return tl::make_unexpected(select.error());
+  const auto milliseconds = [&select](int column) { return 1e-3 * static_cast<double>(select->Number(column)); };
+  for (auto row = select->Step(); !row || *row; row = select->Step()) {
+    if (!row) return tl::make_unexpected(row.error());
+    times.push_back({select->Text(0), milliseconds(1), milliseconds(2), select->Number(3)});
+  }
+  return times;
 }
 
 Result<std::vector<SessionRecord>> Store::Sessions() {

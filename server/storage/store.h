@@ -51,6 +51,8 @@ class Store {
   Result<std::vector<JournaledRejection>> Rejections();
   // Pairs of maps that an operator took apart: they are not to be merged again. None in a store of schema 1.
   Result<std::vector<std::pair<MapId, MapId>>> Separations();
+  // How long the server's work took, in the order in which it ended; of all its runs. None in a store before schema 3.
+  Result<std::vector<WorkTime>> WorkTimes();
   // Both streams of edits with a position > `position`, in order: envelopes, and the server's own edits as envelopes of
   // session 0. Stops at the first failure of `visit`, and returns it.
   Status ForEachEditsAfter(std::uint64_t position, const std::function<Status(const JournalEntry&)>& visit);
@@ -65,6 +67,7 @@ class Store {
   Status AppendEntries(const std::vector<JournalEntry>& entries);
   Status AppendRejections(const std::vector<JournaledRejection>& rejections);
   Status UpdateSessions(const std::vector<SessionRecord>& sessions);
+  Status AppendWorkTimes(const std::vector<WorkTime>& times);
 
   // Declared before the database: the connection is closed first. None when read-only.
   std::unique_ptr<FileLock> lock_;

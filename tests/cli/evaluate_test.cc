@@ -5,6 +5,7 @@
 
 #include "common/evaluation/trajectory_file.h"
 #include "common/sensor/dataset.h"
+#include "server/storage/store.h"
 #include "tests/cli/command_run.h"
 #include "tests/cli/recorded_store.h"
 #include "tests/sensor/recording.h"
@@ -115,6 +116,25 @@ TEST_F(Evaluate, SessionsOfAStoreAreMatchedByName) {
   EXPECT_LT(session.at("ate").at("rms_m").get<double>(), 1e-6);
   EXPECT_EQ(report.at("maps").size(), 1u);
   EXPECT_FALSE(report.at("maps").at(0).contains("joint"));
+}
+
+TEST_F(Evaluate, AStoreSaysHowLongTheServersWorkTook) {
+  testing::WriteStore(store(), {{.id = 1, .name = "flight"}});
+  {
+    auto server = Store::Open(store(), "hall", {});
+    ASSERT_TRUE(server);
+    JournalBatch batch;
+    for (int i = 1; i <= 20; ++i) batch.work_times.push_back({"recognition", 1.0 * i, 0.5 * i, i});
+    batch.work_times.push_back({"merge", 300.0, 250.0, 30});
+    ASSERT_TRUE(server->Append(batch));
+  }
+  const auto table = RunPangaea({"evaluate", "--store", store(), "--truth", dataset()});
+  EXPECT_THAT(table.out, ::testing::ContainsRegex("recognition +20 +10.0 +19.0 +5.0 +9.5\n"));
+  EXPECT_THAT(table.out, ::testing::ContainsRegex("merge +1 +300.0 +300.0 +250.0 +250.0\n"));
+  EXPECT_LT(table.out.find("recognition"), table.out.find("merge"));
+  const json report = Parse(RunPangaea({"evaluate", "--store", store(), "--truth", dataset(), "--json"}));
+  EXPECT_EQ(report.at("work_times").at("recognition").at("count"), 20);
+  EXPECT_DOUBLE_EQ(report.at("work_times").at("merge").at("cpu_median_ms").get<double>(), 250.0);
 }
 
 TEST_F(Evaluate, ASessionOfAnotherNameIsMatchedByItsTime) {

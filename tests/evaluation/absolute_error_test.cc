@@ -55,6 +55,7 @@ TEST(AbsoluteError, AnEstimateInAnotherFrameHasNoErrorAfterAlignment) {
                                           .dataset_frames = 200}});
   EXPECT_EQ(result.error.count, 160U);
   EXPECT_LT(result.error.rms, 1e-9);
+  EXPECT_LT(result.error.rotation_rms, 1e-5);
   EXPECT_EQ(result.truth_from_estimate.scale(), 1.0);
   EXPECT_NEAR(result.coverage, 0.8, 1e-12);
 }
@@ -133,6 +134,7 @@ TEST(AbsoluteError, AnotherPointOfTheBodySeesRotationErrors) {
     pose.world_from_body = Rigid3d(pose.world_from_body.rotation() * ExpSo3(turn), pose.world_from_body.translation());
   }
   EXPECT_LT(Evaluate({session}).error.rms, 1e-4);
+  EXPECT_NEAR(Evaluate({session}).error.rotation_rms, 5.73, 0.01);  // 0.1 rad
   session.body_from_evaluated = Rigid3d(Eigen::Quaterniond::Identity(), {1.0, 0.0, 0.0});
   EXPECT_NEAR(Evaluate({session}).error.rms, 0.1, 0.02);
 }

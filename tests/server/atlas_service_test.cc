@@ -228,6 +228,21 @@ TEST(AtlasService, ASnapshotFromBeforeAChangeThatMayBeUndoneIsKept) {
   EXPECT_EQ(Fingerprint(Stored(place.path()).atlas), Fingerprint(harness.service->State()->ingest.atlas));
 }
 
+TEST(AtlasService, TimesOfWorkGoToTheStoreWithTheNextRoundAndTheRestWhenItStops) {
+  const TemporaryStore place;
+  ServiceHarness harness(place.path());
+  Flight flight(kAnna);
+  harness.service->Note({"merge", 200.0, 150.0, 1});
+  harness.Send(flight.Next());
+  harness.WaitForAck(kAnna, 1);
+  EXPECT_EQ(Store::OpenReadOnly(place.path())->WorkTimes()->size(), 1u);
+  harness.service->Note({"pose_graph", 20.0, 15.0, 2});
+  harness.service->Stop();
+  const auto times = Store::OpenReadOnly(place.path())->WorkTimes();
+  ASSERT_EQ(times->size(), 2u);
+  EXPECT_EQ(times->back().kind, "pose_graph");
+}
+
 TEST(AtlasService, OptionsOutOfRangeAreRefused) {
   const TemporaryStore place;
   EXPECT_FALSE(AtlasService::Open(place.path(), "hall", {.queue_capacity = 0}));

@@ -170,7 +170,7 @@ TEST(Recovery, AStoreOfTheFirstSchemaIsReadAndUpgradedWhenAServerOpensIt) {
   auto journaled = std::make_unique<JournaledFlight>();
   journaled->Fly(5);
   ASSERT_TRUE(journaled->store.database().Execute(R"(
-    DROP TABLE separations; ALTER TABLE snapshots DROP COLUMN kept; ALTER TABLE server_edits DROP COLUMN undone;
+    DROP TABLE work_times; DROP TABLE separations; ALTER TABLE snapshots DROP COLUMN kept; ALTER TABLE server_edits DROP COLUMN undone;
     ALTER TABLE keyframe_payloads DROP COLUMN missing_since; PRAGMA user_version=1)"));
   EXPECT_EQ(Fingerprint(journaled->Recover().atlas), Fingerprint(journaled->flight.atlas()));
   const std::filesystem::path path = journaled->place.path();
@@ -178,6 +178,22 @@ TEST(Recovery, AStoreOfTheFirstSchemaIsReadAndUpgradedWhenAServerOpensIt) {
   const auto upgraded = Store::Open(path, "hall", {});
   ASSERT_TRUE(upgraded) << upgraded.error().message;
   EXPECT_TRUE(journaled->Snapshot(journaled->flight.atlas()));
+  EXPECT_EQ(Fingerprint(journaled->Recover().atlas), Fingerprint(journaled->flight.atlas()));
+}
+
+TEST(Recovery, AStoreOfTheSecondSchemaIsReadAndKeepsTimesOnceAServerOpenedIt) {
+  auto journaled = std::make_unique<JournaledFlight>();
+  journaled->Fly(5);
+  const std::filesystem::path path = journaled->place.path();
+  ASSERT_TRUE(journaled->store.database().Execute("DROP TABLE work_times; PRAGMA user_version=2"));
+  EXPECT_EQ(Store::OpenReadOnly(path)->WorkTimes()->size(), 0u);
+  journaled->store = Store::Open(path.parent_path() / "other.db", "hall", {}).value();
+  auto upgraded = Store::Open(path, "hall", {});
+  ASSERT_TRUE(upgraded) << upgraded.error().message;
+  JournalBatch batch;
+  batch.work_times = {{"merge", 1.0, 1.0, 1}};
+  EXPECT_TRUE(upgraded->Append(batch));
+  EXPECT_EQ(upgraded->WorkTimes()->size(), 1u);
   EXPECT_EQ(Fingerprint(journaled->Recover().atlas), Fingerprint(journaled->flight.atlas()));
 }
 

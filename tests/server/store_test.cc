@@ -145,6 +145,26 @@ TEST(Store, TheStoreOfAnotherSiteIsRefused) {
   EXPECT_NE(other.error().message.find("hall"), std::string::npos);
 }
 
+TEST(Store, KeepsTheTimesOfTheServersWorkInOrder) {
+  const TemporaryStore place;
+  {
+    Store store = OpenStore(place);
+    JournalBatch batch;
+    EXPECT_TRUE(batch.empty());
+    batch.work_times = {{"recognition", 5.25, 4.5, 100}, {"merge", 200.125, 0.0, 200}};
+    EXPECT_FALSE(batch.empty());
+    ASSERT_TRUE(store.Append(batch));
+    ASSERT_TRUE(store.Append(batch));
+  }
+  const auto times = Store::OpenReadOnly(place.path())->WorkTimes();
+  ASSERT_TRUE(times);
+  ASSERT_EQ(times->size(), 4u);
+  EXPECT_EQ((*times)[1].kind, "merge");
+  EXPECT_EQ((*times)[1].unix_ns, 200);
+  EXPECT_DOUBLE_EQ((*times)[2].wall_ms, 5.25);
+  EXPECT_DOUBLE_EQ((*times)[2].cpu_ms, 4.5);
+}
+
 TEST(Store, ANewerSchemaIsRefused) {
   const TemporaryStore place;
   {
