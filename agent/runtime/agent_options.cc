@@ -61,6 +61,7 @@ Status ReadAgentConfig(const std::filesystem::path& path, AgentOptions& options)
   reader->Read("tracking.min_agreement", &tracking.min_agreement, Range{0.0, 1.0});
   reader->Read("tracking.min_recovery_inliers", &tracking.min_recovery_inliers, Range{6, 1000});
   reader->Read("tracking.min_start_points", &tracking.min_start_points, Range{20, 5000});
+  reader->Read("tracking.frames_for_hint", &tracking.frames_for_hint, Range{0, 100000});
   reader->Read("tracking.frames_until_new_map", &tracking.frames_until_new_map, Range{1, 100000});
   reader->Read("tracking.max_position_sigma_m", &tracking.observability.max_sigma_m, Range{0.0001, 1000.0});
   reader->Read("tracking.max_position_sigma_of_depth", &tracking.observability.max_sigma_of_depth, Range{0.0001, 1.0});

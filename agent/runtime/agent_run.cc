@@ -64,9 +64,10 @@ class FrameLoop {
     while (auto frame = source.Next()) {
       const auto atlas = worker_.snapshot();
       const auto begin = Clock::now();
+      TakeAnswer();
       TrackingResult result = Track(*frame, atlas);
       Record(frame->stamp_ns, result);
-      if (uplink_ != nullptr && result.unrecognised != nullptr) AskWhere(std::move(result.unrecognised));
+      AskWhere(result);
       if (is_heard()) TellState(*frame, result, *atlas, Clock::now() - begin);
       const bool keyframe = result.keyframe.has_value();
       const bool new_map = BeginsMap(result);
@@ -141,12 +142,21 @@ class FrameLoop {
                  run_.tracked, atlas->keyframe_count(), atlas->landmark_count());
   }
 
-  // Not with every frame: the server needs its time, and consecutive frames show the same.
-  void AskWhere(std::shared_ptr<const KeyframeData> frame) {
-    constexpr std::int64_t kBetweenRequestsNs = 500'000'000;
-    if (asked_ns_ && frame->stamp_ns - *asked_ns_ < kBetweenRequestsNs) return;
-    asked_ns_ = frame->stamp_ns;
-    uplink_->AskWhere(std::move(frame));
+  void TakeAnswer() {
+    const auto answer = uplink_ == nullptr ? std::nullopt : uplink_->TakeAnswer();
+    const auto hint = answer ? inquiry_.Take(*answer) : std::nullopt;
+    if (!hint) return;
+    spdlog::info("the server knows the place: keyframe {} ({} landmarks)", ToString(hint->keyframe), answer->inliers);
+    tracker_.Suggest(*hint);
+  }
+
+  void AskWhere(const TrackingResult& result) {
+    if (uplink_ == nullptr) return;
+    if (result.tracked) inquiry_.End();
+    if (result.unrecognised == nullptr) return;
+    if (const auto request = inquiry_.Ask(result.unrecognised->stamp_ns)) {
+      uplink_->AskWhere(*request, result.unrecognised);
+    }
   }
 
   void TellState(const SourceFrame& frame, const TrackingResult& result, const Atlas& atlas, Clock::duration took) {
@@ -202,7 +212,7 @@ class FrameLoop {
   std::size_t untold_ = 0;
   Odometry odometry_;
   int frames_ = 0;
-  std::optional<std::int64_t> asked_ns_;  // stamp of the frame the server was last asked about
+  PlaceInquiry inquiry_;
   const Rigid3d camera_from_body_;
   Tracker tracker_;
   StageClock stages_;

@@ -16,6 +16,7 @@
 #include "common/dds/reader.h"
 #include "common/dds/waiter.h"
 #include "common/dds/writer.h"
+#include "common/map/covisibility.h"
 #include "common/wire/edit_ack.h"
 #include "common/wire/envelope.h"
 #include "common/wire/map_interest.h"
@@ -37,6 +38,7 @@ struct FlushRequest {
   std::shared_ptr<std::promise<Result<std::vector<MapEdit>>>> done;
 };
 struct WhereRequest {
+  std::uint64_t request;
   std::shared_ptr<const KeyframeData> frame;
 };
 struct HurryRequest {};
@@ -52,6 +54,7 @@ struct Endpoints {
   Writer<AgentState> state;
   Reader<EditAck> acks;
   Reader<CorrectionPart> corrections;
+  Reader<RelocalizationAnswer> answers;
 };
 
 Result<Endpoints> OpenEndpoints(const Participant& participant) {
@@ -69,8 +72,10 @@ Result<Endpoints> OpenEndpoints(const Participant& participant) {
   if (!acks) return tl::make_unexpected(acks.error());
   auto corrections = Reader<CorrectionPart>::Open(participant);
   if (!corrections) return tl::make_unexpected(corrections.error());
-  return Endpoints{std::move(*session), std::move(*edits), std::move(*interest),   std::move(*where),
-                   std::move(*state),   std::move(*acks),  std::move(*corrections)};
+  auto answers = Reader<RelocalizationAnswer>::Open(participant);
+  if (!answers) return tl::make_unexpected(answers.error());
+  return Endpoints{std::move(*session), std::move(*edits), std::move(*interest),    std::move(*where),
+                   std::move(*state),   std::move(*acks),  std::move(*corrections), std::move(*answers)};
 }
 
 class UplinkLoop final : public UplinkThread {
@@ -92,6 +97,10 @@ class UplinkLoop final : public UplinkThread {
     if (!status) return status;
     status = waiter_->OnSample<CorrectionPart>(endpoints_.corrections, [this](Sample<CorrectionPart> sample) {
       if (sample.alive && sample.value.session == session_.session) (void)events_.Push(std::move(sample.value));
+    });
+    if (!status) return status;
+    status = waiter_->OnSample<RelocalizationAnswer>(endpoints_.answers, [this](Sample<RelocalizationAnswer> sample) {
+      if (sample.alive && sample.value.session == session_.session) Receive(sample.value);
     });
     if (!status) return status;
     status = waiter_->OnMatch(endpoints_.edits, [this](const MatchChange& change) { (void)events_.Push(change); });
@@ -117,8 +126,13 @@ class UplinkLoop final : public UplinkThread {
 
   bool AwaitCorrection(std::chrono::milliseconds patience) override { return downlink_.Await(Clock::now() + patience); }
 
-  void AskWhere(std::shared_ptr<const KeyframeData> frame) override {
-    (void)events_.Push(WhereRequest{std::move(frame)});
+  void AskWhere(std::uint64_t request, std::shared_ptr<const KeyframeData> frame) override {
+    (void)events_.Push(WhereRequest{request, std::move(frame)});
+  }
+
+  std::optional<RelocalizationAnswer> TakeAnswer() override EXCLUDES(answer_mutex_) {
+    MutexLock lock(answer_mutex_);
+    return std::exchange(answer_, std::nullopt);
   }
 
   void Tell(const AgentState& state) override { (void)endpoints_.state.Write(state); }
@@ -144,6 +158,12 @@ class UplinkLoop final : public UplinkThread {
   }
 
  private:
+  // On the thread that waits for DDS: tracking does not wait for the uplink.
+  void Receive(const RelocalizationAnswer& answer) EXCLUDES(answer_mutex_) {
+    MutexLock lock(answer_mutex_);
+    if (!answer_ || answer.found || !answer_->found) answer_ = answer;
+  }
+
   void Run() {
     while (!stopping_) {
       std::optional<Event> event;
@@ -185,7 +205,7 @@ class UplinkLoop final : public UplinkThread {
 
   // What the server needs to know to send what is missing here.
   void WriteInterest(const UplinkBatch& batch) {
-    MapInterest interest{session_.session, stream_.version(), {}, batch.snapshot->Resolve(batch.reference), {}};
+    MapInterest interest{session_.session, stream_.version(), {}, NearestSent(*batch.snapshot, batch.reference), {}};
     if (const Keyframe* reference = batch.snapshot->FindKeyframe(interest.reference)) interest.map = reference->map;
     for (const SessionId session : batch.snapshot->Sessions()) {
       if (session == session_.session) continue;
@@ -194,6 +214,16 @@ class UplinkLoop final : public UplinkThread {
     if (interest == interest_) return;
     NoteFailure(endpoints_.interest.Write(interest));
     interest_ = std::move(interest);
+  }
+
+  // The newest keyframe is sent some seconds later: what the server knows of near to it.
+  KeyframeId NearestSent(const Atlas& snapshot, KeyframeId reference) const {
+    constexpr std::size_t kWindow = 30;
+    const KeyframeId living = snapshot.Resolve(reference);
+    for (const KeyframeId id : GrowWindow(snapshot, living, kWindow)) {
+      if (stream_.mirror().FindKeyframe(id) != nullptr) return id;
+    }
+    return living;
   }
 
   void Handle(FlushRequest& request) {
@@ -208,7 +238,7 @@ class UplinkLoop final : public UplinkThread {
   }
 
   void Handle(WhereRequest& request) {
-    NoteFailure(endpoints_.where.Write({session_.session, ++requests_, std::move(request.frame)}));
+    NoteFailure(endpoints_.where.Write({session_.session, request.request, std::move(request.frame)}));
   }
 
   void Handle(EditAck& ack) {
@@ -331,7 +361,6 @@ class UplinkLoop final : public UplinkThread {
   EditStream stream_;
   Downlink downlink_;
   MapInterest interest_;
-  std::uint64_t requests_ = 0;
   std::optional<FlushRequest> flush_;
   std::optional<Clock::time_point> retry_;
   UplinkCounters local_;
@@ -341,6 +370,8 @@ class UplinkLoop final : public UplinkThread {
 
   mutable Mutex counters_mutex_;
   UplinkCounters counters_ GUARDED_BY(counters_mutex_);
+  Mutex answer_mutex_;
+  std::optional<RelocalizationAnswer> answer_ GUARDED_BY(answer_mutex_);  // not taken yet
   Mutex stop_mutex_;
   std::thread thread_;
   std::unique_ptr<Waiter> waiter_;  // its callbacks use all of the above

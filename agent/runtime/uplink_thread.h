@@ -14,6 +14,7 @@
 #include "common/map/atlas.h"
 #include "common/wire/agent_correction.h"
 #include "common/wire/agent_state.h"
+#include "common/wire/relocalization.h"
 #include "common/wire/session_announcement.h"
 
 namespace pangaea {
@@ -81,8 +82,11 @@ class UplinkThread {
   // Waits until TakeCorrection has something (true), or until the server has told of everything it changed and works on
   // nothing that may change more, or the time is over, or somebody hurries (false).
   virtual bool AwaitCorrection(std::chrono::milliseconds patience) = 0;
-  // Asks the server where this frame was taken. What it finds comes as a correction, with the place around it.
-  virtual void AskWhere(std::shared_ptr<const KeyframeData> frame) = 0;
+  // Asks the server where this frame was taken; requests are numbered by who asks. The answer is for TakeAnswer. The
+  // place itself comes as a correction.
+  virtual void AskWhere(std::uint64_t request, std::shared_ptr<const KeyframeData> frame) = 0;
+  // The newest answer that was not taken yet; one that found the place before one that did not.
+  virtual std::optional<RelocalizationAnswer> TakeAnswer() = 0;
   // Tells whoever looks how the agent does. Never waits.
   virtual void Tell(const AgentState& state) = 0;
 

@@ -5,6 +5,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "agent/tracking/resolved_pose.h"
 #include "common/base/check.h"
 #include "common/map/covisibility.h"
 
@@ -25,9 +26,9 @@ class ViewPoses {
 
  private:
   std::optional<std::size_t> Add(KeyframeId id) {
-    const auto resolved = atlas_.ResolvePose(id);
-    if (!resolved) return std::nullopt;
-    poses_.push_back(resolved->keyframe_from_asked.Inverse() * resolved->keyframe->camera_from_map);
+    const auto pose = PoseOf(atlas_, id);
+    if (!pose) return std::nullopt;
+    poses_.push_back(*pose);
     return poses_.size() - 1;
   }
 
@@ -44,56 +45,7 @@ void AttachViews(const TemplateStore& templates, ViewPoses& poses, LocalLandmark
   }
 }
 
-// Positions of the observers, each looked up once.
-class ObserverCenters {
- public:
-  explicit ObserverCenters(const Atlas& atlas) : atlas_(atlas) {}
-
-  void Summarise(const Landmark& landmark, LocalLandmark& entry) {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    double squares = 0.0;
-    double stereo = 0.0;
-    for (const Observation& observation : landmark.observations) {
-      const Observer& observer = Find(observation.keyframe);
-      sum += observer.center;
-      squares += observer.center.squaredNorm();
-      // The right camera is one more observer, a baseline away: half of its square about their own centre.
-      if (observer.keyframe->data->features.keypoints[observation.keypoint].has_depth()) {
-        const double baseline = observer.keyframe->data->camera.baseline;
-        stereo += 0.5 * baseline * baseline;
-      }
-    }
-    const auto count = static_cast<double>(landmark.observations.size());
-    entry.observers_center = sum / count;
-    entry.observers_spread = std::max(squares - sum.squaredNorm() / count, 0.0) + stereo;
-  }
-
- private:
-  struct Observer {
-    const Keyframe* keyframe = nullptr;
-    Eigen::Vector3d center = Eigen::Vector3d::Zero();
-  };
-
-  const Observer& Find(KeyframeId id) {
-    Observer& observer = observers_[id];
-    if (observer.keyframe != nullptr) return observer;
-    observer.keyframe = atlas_.FindKeyframe(id);
-    PANGAEA_CHECK(observer.keyframe != nullptr);
-    observer.center = observer.keyframe->camera_from_map.Inverse().translation();
-    return observer;
-  }
-
-  const Atlas& atlas_;
-  std::unordered_map<KeyframeId, Observer> observers_;
-};
-
 }  // namespace
-
-double PredictionVariance(const LocalLandmark& landmark, const Eigen::Vector3d& camera_in_map) {
-  const double distance = (camera_in_map - landmark.observers_center).squaredNorm();
-  const double of_the_mean = 1.0 / landmark.observations;
-  return 1.0 + of_the_mean + distance / std::max(landmark.observers_spread, 1e-12);
-}
 
 LocalMap CollectLocalMap(const Atlas& atlas, KeyframeId reference, const TemplateStore& templates,
                          const LocalMap& previous, const LocalMapOptions& options) {
@@ -114,8 +66,7 @@ LocalMap CollectLocalMap(const Atlas& atlas, KeyframeId reference, const Templat
       LocalLandmark& entry = local.landmarks.emplace_back();
       entry.id = landmark_id;
       entry.point_in_map = landmark->point_in_map;
-      entry.observations = static_cast<int>(landmark->observations.size());
-      centers.Summarise(*landmark, entry);
+      entry.observers = centers.SpreadOf(*landmark);
       AttachViews(templates, poses, entry);
       const auto before = known.find(landmark_id);
       if (before == known.end()) continue;

@@ -6,6 +6,7 @@
 
 #include "agent/tracking/template_store.h"
 #include "common/map/atlas.h"
+#include "common/mapping/observer_spread.h"
 
 namespace pangaea {
 
@@ -23,11 +24,7 @@ struct LandmarkView {
 struct LocalLandmark {
   LandmarkId id;
   Eigen::Vector3d point_in_map = Eigen::Vector3d::Zero();
-  int observations = 0;
-  // What the observers' positions say about the point's depth: their centre (map frame), and the sum of squared
-  // distances from it, stereo baselines included (map units squared).
-  Eigen::Vector3d observers_center = Eigen::Vector3d::Zero();
-  double observers_spread = 0.0;
+  ObserverSpread observers;
   int failures = 0;      // consecutive frames in which it was searched and not found
   bool tracked = false;  // in the latest frame
   int view_count = 0;
@@ -41,11 +38,6 @@ struct LocalMap {
   std::vector<Rigid3d> view_poses;    // camera_from_map of the keyframes that templates were cut from, culled ones too
   std::vector<LocalLandmark> landmarks;
 };
-
-// Variance of a landmark's predicted pixel in units of a single observation's variance, for a camera at
-// `camera_in_map`: 1 for the observation itself, and what the landmark's own uncertainty adds. A line fitted to the
-// observers predicts well between them and ever worse away from them, as in any linear regression.
-double PredictionVariance(const LocalLandmark& landmark, const Eigen::Vector3d& camera_in_map);
 
 // `previous` hands on which landmarks were tracked and how often they failed.
 LocalMap CollectLocalMap(const Atlas& atlas, KeyframeId reference, const TemplateStore& templates,

@@ -21,7 +21,7 @@ double Priority(const LocalLandmark& landmark) {
   constexpr double kTracked = 100.0;
   constexpr double kFailure = 8.0;
   constexpr int kSaturated = 30;  // observations beyond this say nothing more
-  return (landmark.tracked ? kTracked : 0.0) + std::min(landmark.observations, kSaturated) -
+  return (landmark.tracked ? kTracked : 0.0) + std::min(landmark.observers.observations, kSaturated) -
          kFailure * std::min(landmark.failures, kSaturated);
 }
 
@@ -134,7 +134,8 @@ class Searcher {
     match.pixel = aligned->pixel;
     const double octaves = 0.5 * std::log(affine->determinant()) / std::log(kOctaveScale);
     match.octave = std::clamp(view->patch->octave + static_cast<int>(std::lround(octaves)), 0, kOctaves - 1);
-    const double variance = std::min(PredictionVariance(landmark, camera_in_map_), options_.max_prediction_variance);
+    const double variance =
+        std::min(PredictionVariance(landmark.observers, camera_in_map_), options_.max_prediction_variance);
     match.sigma = std::ldexp(options_.patch_sigma, aligned->level) * std::sqrt(variance);
     match.correlation = aligned->correlation;
     return match;

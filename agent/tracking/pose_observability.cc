@@ -20,16 +20,10 @@ double MedianDepth(const LocatedFrame& located, const LocalMap& local_map) {
 
 }  // namespace
 
-Status ObservabilityOptions::Check() const {
-  if (max_sigma_m > 0.0 && max_sigma_of_depth > 0.0) return {};
-  return Fail(ErrorCode::kInvalidArgument,
-              "tracking: max_position_sigma_m and max_position_sigma_of_depth must be greater than 0");
-}
-
 bool PositionIsObservable(const LocatedFrame& located, const LocalMap& local_map, bool metric,
                           const ObservabilityOptions& options) {
-  const double sigma = TranslationSigmas(located.pose.information).maxCoeff();
-  return sigma < (metric ? options.max_sigma_m : options.max_sigma_of_depth * MedianDepth(located, local_map));
+  const double median_depth = metric ? 0.0 : MedianDepth(located, local_map);
+  return PositionIsObservable(located.pose, median_depth, metric, options);
 }
 
 }  // namespace pangaea

@@ -2,26 +2,11 @@
 
 #include "agent/tracking/local_map.h"
 #include "agent/tracking/patch_search.h"
-#include "common/base/result.h"
+#include "common/mapping/position_observability.h"
 
 namespace pangaea {
 
-// When a camera's position counts as unknown although enough landmarks are matched (Elvira et al., "ORBSLAM-Atlas",
-// 2019, section "Camera pose observability"): distant ones tell the direction alone.
-struct ObservabilityOptions {
-  // Where the map has a scale: the largest standard deviation of the position along an axis, metres. Indoors it is
-  // mostly a millimetre, between houses a centimetre, and half a decimetre for the first frame that recognises a place
-  // from afar. A map is made of relative poses between keyframes half a metre apart: a decimetre is a fifth of that,
-  // and a few such links would bend the map more than all the others together.
-  double max_sigma_m = 0.1;
-  // In a monocular map, which has none: the same as a share of the median depth of the matched landmarks.
-  double max_sigma_of_depth = 0.02;
-
-  Status Check() const;
-};
-
-// The test of Eq. (1) there: max(sigma_x, sigma_y, sigma_z) < sigma_t, from the information of the pose on the matched
-// landmarks, which are held fixed. What they are uncertain themselves is in the matches' sigmas (PredictionVariance).
+// Whether the camera's position is known well enough from the landmarks that the frame found in `local_map`.
 bool PositionIsObservable(const LocatedFrame& located, const LocalMap& local_map, bool metric,
                           const ObservabilityOptions& options);
 

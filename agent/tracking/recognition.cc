@@ -23,12 +23,19 @@ std::optional<RecognisedFrame> Recognition::Locate(const Features& features, con
                                                    const Surroundings& surroundings, const Trust& trust) const {
   const auto poses = Relocalize(camera_, features, atlas, candidates, options_.relocalization, seed_);
   for (std::size_t i = 0; i < std::min(poses.size(), options_.verified); ++i) {
-    LocalMap local_map = surroundings(poses[i].keyframe);
-    auto frame = LocateByDescriptors(camera_, features, atlas, poses[i].camera_from_map, local_map, options_.guided);
-    if (!frame || !trust(frame->located, local_map)) continue;
-    return RecognisedFrame{atlas.FindKeyframe(poses[i].keyframe)->map, std::move(*frame), std::move(local_map)};
+    auto found = LocateNear(features, atlas, poses[i].keyframe, poses[i].camera_from_map, surroundings, trust);
+    if (found) return found;
   }
   return std::nullopt;
+}
+
+std::optional<RecognisedFrame> Recognition::LocateNear(const Features& features, const Atlas& atlas,
+                                                       KeyframeId keyframe, const Rigid3d& rough_camera_from_map,
+                                                       const Surroundings& surroundings, const Trust& trust) const {
+  LocalMap local_map = surroundings(keyframe);
+  auto frame = LocateByDescriptors(camera_, features, atlas, rough_camera_from_map, local_map, options_.guided);
+  if (!frame || !trust(frame->located, local_map)) return std::nullopt;
+  return RecognisedFrame{atlas.FindKeyframe(keyframe)->map, std::move(*frame), std::move(local_map)};
 }
 
 }  // namespace pangaea

@@ -11,8 +11,8 @@
 #include "agent/tracking/local_map.h"
 #include "agent/tracking/place_memory.h"
 #include "agent/tracking/pose_observability.h"
-#include "agent/tracking/relocalization.h"
 #include "agent/tracking/template_store.h"
+#include "common/mapping/relocalization.h"
 
 namespace pangaea {
 
@@ -51,6 +51,11 @@ class Recognition {
   // The candidates by words among those that `admits` (empty: all), then `nearby`, up to the options' numbers.
   std::vector<KeyframeId> Candidates(const Features& features, std::span<const KeyframeId> nearby,
                                      const InvertedIndex::Admits& admits = {}) const;
+  // The pose that the landmarks around the keyframe give, looked for where a rough pose in its map expects them;
+  // nothing where it is not trusted.
+  std::optional<RecognisedFrame> LocateNear(const Features& features, const Atlas& atlas, KeyframeId keyframe,
+                                            const Rigid3d& rough_camera_from_map, const Surroundings& surroundings,
+                                            const Trust& trust) const;
   // The first trusted pose that a candidate leads to, those on most matches first.
   std::optional<RecognisedFrame> Locate(const Features& features, const Atlas& atlas,
                                         std::span<const KeyframeId> candidates, const Surroundings& surroundings,

@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "agent/tracking/resolved_pose.h"
 #include "agent/tracking/template_harvest.h"
 #include "common/base/check.h"
 
@@ -11,17 +12,6 @@ namespace pangaea {
 namespace {
 
 double Seconds(std::int64_t nanoseconds) { return 1e-9 * static_cast<double>(nanoseconds); }
-
-std::optional<Rigid3d> PoseOf(const Atlas& atlas, KeyframeId id) {
-  const auto resolved = atlas.ResolvePose(id);
-  if (!resolved) return std::nullopt;
-  return resolved->keyframe_from_asked.Inverse() * resolved->keyframe->camera_from_map;
-}
-
-bool IsInMap(const Atlas& atlas, KeyframeId id, MapId map) {
-  const Keyframe* keyframe = atlas.FindKeyframe(atlas.Resolve(id));
-  return keyframe != nullptr && keyframe->map == map;
-}
 
 // Points in the camera frame of all keypoints with a depth up to `max_depth`.
 std::vector<Eigen::Vector3d> StereoPoints(const KeyframeData& data, double max_depth) {
@@ -100,9 +90,9 @@ bool Tracker::awaits_first_keyframe(const Atlas& atlas) const { return map_.vali
 
 void Tracker::AdoptSnapshot(const std::shared_ptr<const Atlas>& atlas) {
   PANGAEA_CHECK(atlas != nullptr);
+  recognition_.Follow(*atlas);  // every time: it learns a few keyframes at once
   if (atlas_ == atlas) return;
   atlas_ = atlas;
-  recognition_.Follow(*atlas_);
   if (map_.valid() && !awaits_first_keyframe(*atlas_)) map_ = atlas_->Resolve(map_);  // maps may have been joined
   AdoptScale();
   if (!map_.valid() || awaits_first_keyframe(*atlas_)) return;
@@ -149,14 +139,6 @@ void Tracker::TrackKnownMap(std::int64_t stamp_ns, const cv::Mat& left, const Ri
   ConsiderKeyframe(stamp_ns, left, right, *located, result, stages);
 }
 
-void Tracker::Lose(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
-                   StageRecorder& stages) {
-  result.state = TrackingState::kLost;
-  result.unrecognised = std::exchange(unrecognised_, nullptr);
-  ++frames_lost_;
-  if (frames_searched_ >= options_.frames_until_new_map) StartMap(stamp_ns, left, right, result, stages);
-}
-
 bool Tracker::IsTrusted(const LocatedFrame& located, const LocalMap& local_map, int min_inliers) const {
   return located.pose.inliers >= min_inliers && located.pose.inliers >= options_.min_agreement * located.found &&
          PositionIsObservable(located, local_map, camera_.is_stereo(), options_.observability);
@@ -182,51 +164,6 @@ std::optional<LocatedFrame> Tracker::LocateByMotion(std::int64_t stamp_ns, Stage
   }
   if (!located || !IsTrusted(*located, local_map_, options_.min_inliers)) return std::nullopt;
   return located;
-}
-
-// In all maps.
-std::optional<LocatedFrame> Tracker::LocateAnywhere(std::int64_t stamp_ns, const cv::Mat& left, StageRecorder& stages) {
-  StageScope scope(stages, "tracking.relocalization");
-  Features features = builder_.Extract(left);
-  if (std::cmp_less(features.keypoints.size(), options_.min_start_points)) return std::nullopt;
-  ++frames_searched_;
-  auto recognised =
-      Recognise(features, recognition_.Candidates(features, local_map_.keyframes), options_.min_recovery_inliers);
-  if (recognised) return Enter(std::move(*recognised));
-  unrecognised_ = std::make_shared<const KeyframeData>(KeyframeData{stamp_ns, camera_, std::move(features)});
-  return std::nullopt;
-}
-
-// A thin result may be a wrong one: what is recognised nearby without any prediction decides if it explains more.
-LocatedFrame Tracker::LocateAgain(const cv::Mat& left, LocatedFrame thin, StageRecorder& stages) {
-  StageScope scope(stages, "tracking.relocalization");
-  auto recognised = Recognise(builder_.Extract(left), local_map_.keyframes, options_.min_recovery_inliers);
-  if (!recognised || recognised->frame.located.pose.inliers <= thin.pose.inliers) return thin;
-  return Enter(std::move(*recognised));
-}
-
-std::optional<RecognisedFrame> Tracker::Recognise(const Features& features, std::span<const KeyframeId> candidates,
-                                                  int min_inliers) const {
-  return recognition_.Locate(
-      features, *atlas_, candidates,
-      [&](KeyframeId id) { return CollectLocalMap(*atlas_, id, templates_, local_map_, options_.local_map); },
-      [&](const LocatedFrame& located, const LocalMap& local_map) {
-        return IsTrusted(located, local_map, min_inliers);
-      });
-}
-
-// Goes on where the frame was recognised. The better of both: what descriptors found there, or what templates find.
-LocatedFrame Tracker::Enter(RecognisedFrame recognised) {
-  map_ = recognised.map;
-  first_keyframe_ = atlas_->FindMap(map_)->root;
-  local_map_ = std::move(recognised.local_map);
-  reference_ = local_map_.keyframes.front();
-  LocatedFrame& by_descriptors = recognised.frame.located;
-  auto by_patches =
-      LocateFrame(current_image_, camera_, by_descriptors.pose.camera_from_map, local_map_, options_.search);
-  lacks_templates_ = !by_patches || by_patches->pose.inliers < by_descriptors.pose.inliers ||
-                     !IsTrusted(*by_patches, local_map_, options_.min_inliers);
-  return lacks_templates_ ? std::move(by_descriptors) : std::move(*by_patches);
 }
 
 void Tracker::FinishTracked(std::int64_t stamp_ns, const LocatedFrame& located, TrackingResult& result) {
@@ -256,9 +193,11 @@ void Tracker::FinishTracked(std::int64_t stamp_ns, const LocatedFrame& located, 
   result.pose = FramePose{stamp_ns, previous.reference_from_frame};
   result.camera_from_map = camera_from_map;
   result.inliers = located.pose.inliers;
+  HangBelowOwnKeyframe(result);
   previous_ = std::move(previous);
   frames_lost_ = 0;
   frames_searched_ = 0;
+  hint_.reset();
 }
 
 // Of the camera; zero where the motion is not known, as after a loss.
@@ -275,7 +214,9 @@ void Tracker::ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const
   const KeyframeEvidence evidence = GatherEvidence(camera_, located, local_map_, options_.keyframes);
   const Rigid3d& camera_from_map = located.pose.camera_from_map;
   const bool due = decision_.IsDue(evidence, NearestView(camera_from_map, evidence.median_depth), MappingIsBusy());
-  if (due || (lacks_templates_ && !MappingIsBusy())) {
+  // In a map of others the session needs a keyframe of its own for its frames.
+  const bool wanted = lacks_templates_ || result.reference.session != session_;
+  if (due || (wanted && !MappingIsBusy())) {
     StageScope scope(stages, "tracking.keyframe");
     BuiltKeyframe built = builder_.Build(stamp_ns, left, right, &located, local_map_, stages);
     EnterLargerMap(stamp_ns, built, result, stages);
@@ -300,30 +241,6 @@ void Tracker::ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const
   if (previous_->reference != reference_) RebuildLocalMap(previous_->reference);
 }
 
-// A small map is left for a larger one as soon as its place is recognised: after a loss the camera mostly comes back to
-// where it was.
-void Tracker::EnterLargerMap(std::int64_t stamp_ns, BuiltKeyframe& built, TrackingResult& result,
-                             StageRecorder& stages) {
-  const std::uint32_t size = atlas_->FindMap(map_)->keyframes;
-  const auto maps = atlas_->Maps();
-  const auto is_larger = [&](MapId map) { return atlas_->FindMap(map)->keyframes > size; };
-  if (std::none_of(maps.begin(), maps.end(), is_larger)) return;
-  StageScope scope(stages, "tracking.relocalization");
-  const Features& features = built.data->features;
-  const auto admits = [&](KeyframeId id) { return is_larger(atlas_->FindKeyframe(id)->map); };
-  auto recognised = Recognise(features, recognition_.Candidates(features, {}, admits), options_.weak_inliers);
-  if (!recognised) return;
-  built.landmarks.assign(features.keypoints.size(), LandmarkId{});
-  const GuidedFrame& frame = recognised->frame;
-  for (std::size_t i = 0; i < frame.keypoints.size(); ++i) {
-    const LandmarkMatch& match = frame.located.matches[i];
-    built.landmarks[frame.keypoints[i]] = recognised->local_map.landmarks[static_cast<std::size_t>(match.landmark)].id;
-  }
-  const LocatedFrame by_descriptors = frame.located;
-  Enter(std::move(*recognised));
-  FinishTracked(stamp_ns, by_descriptors, result);
-}
-
 double Tracker::NearestView(const Rigid3d& camera_from_map, double median_depth) const {
   double nearest = std::numeric_limits<double>::infinity();
   for (const KeyframeId id : local_map_.keyframes) {
@@ -331,15 +248,21 @@ double Tracker::NearestView(const Rigid3d& camera_from_map, double median_depth)
     nearest = std::min(nearest, ViewDistance(camera_from_map, keyframe_from_map, median_depth, options_.keyframes));
   }
   for (const RecentKeyframe& recent : recent_keyframes_) {
-    const auto reference_from_map = PoseOf(*atlas_, recent.reference);
-    if (!reference_from_map || atlas_->Knows(recent.id)) continue;
-    const Keyframe& reference = *atlas_->FindKeyframe(atlas_->Resolve(recent.reference));
-    const Rigid3d recent_from_map =
-        ScaleLengths(recent.camera_from_reference, LengthFactor(reference, recent.reference_scale)) *
-        *reference_from_map;
-    nearest = std::min(nearest, ViewDistance(camera_from_map, recent_from_map, median_depth, options_.keyframes));
+    if (atlas_->Knows(recent.id)) continue;
+    const auto recent_from_map = PoseOfRecent(recent);
+    if (!recent_from_map) continue;
+    nearest = std::min(nearest, ViewDistance(camera_from_map, *recent_from_map, median_depth, options_.keyframes));
   }
   return nearest;
+}
+
+// Of one on its way into the map; nothing where its reference is on its way, too.
+std::optional<Rigid3d> Tracker::PoseOfRecent(const RecentKeyframe& recent) const {
+  const auto reference_from_map = PoseOf(*atlas_, recent.reference);
+  if (!reference_from_map) return std::nullopt;
+  const Keyframe& reference = *atlas_->FindKeyframe(atlas_->Resolve(recent.reference));
+  return ScaleLengths(recent.camera_from_reference, LengthFactor(reference, recent.reference_scale)) *
+         *reference_from_map;
 }
 
 bool Tracker::StartMap(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
@@ -374,6 +297,7 @@ void Tracker::BeginMap() {
   decision_.Restart();
   frames_lost_ = 0;
   frames_searched_ = 0;
+  hint_.reset();
   lacks_templates_ = false;
 }
 

@@ -14,6 +14,7 @@
 #include "agent/tracking/local_map.h"
 #include "agent/tracking/monocular_start.h"
 #include "agent/tracking/patch_search.h"
+#include "agent/tracking/place_inquiry.h"
 #include "agent/tracking/recognition.h"
 #include "agent/tracking/sparse_alignment.h"
 #include "agent/tracking/template_store.h"
@@ -66,6 +67,10 @@ class Tracker {
   TrackingResult Track(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
                        const std::shared_ptr<const Atlas>& atlas, StageRecorder& stages);
 
+  // While lost: where somebody who knows more than this agent's maps found one of the frames since. Of use as soon as
+  // that keyframe is in the snapshots, and until the camera is known again.
+  void Suggest(const PlaceHint& hint);
+
   // True while the latest map's first keyframe is not in the snapshots yet: the next frame should wait for it.
   bool awaits_first_keyframe(const Atlas& atlas) const;
 
@@ -97,7 +102,10 @@ class Tracker {
   bool IsTrusted(const LocatedFrame& located, const LocalMap& local_map, int min_inliers) const;
   std::optional<LocatedFrame> LocateByMotion(std::int64_t stamp_ns, StageRecorder& stages);
   std::optional<LocatedFrame> LocateAnywhere(std::int64_t stamp_ns, const cv::Mat& left, StageRecorder& stages);
+  std::optional<RecognisedFrame> RecogniseAnywhere(const Features& features) const;
   LocatedFrame LocateAgain(const cv::Mat& left, LocatedFrame thin, StageRecorder& stages);
+  Recognition::Surroundings Surroundings() const;
+  Recognition::Trust Trust(int min_inliers) const;
   std::optional<RecognisedFrame> Recognise(const Features& features, std::span<const KeyframeId> candidates,
                                            int min_inliers) const;
   LocatedFrame Enter(RecognisedFrame recognised);
@@ -106,6 +114,8 @@ class Tracker {
             StageRecorder& stages);
   Vector6d VelocityInto(std::int64_t stamp_ns, const Rigid3d& camera_from_map) const;
   void FinishTracked(std::int64_t stamp_ns, const LocatedFrame& located, TrackingResult& result);
+  void HangBelowOwnKeyframe(TrackingResult& result) const;
+  std::optional<Rigid3d> PoseOfRecent(const RecentKeyframe& recent) const;
   void ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
                         const LocatedFrame& located, TrackingResult& result, StageRecorder& stages);
   double NearestView(const Rigid3d& camera_from_map, double median_depth) const;
@@ -138,6 +148,7 @@ class Tracker {
   ImagePyramid previous_image_;
   std::deque<RecentKeyframe> recent_keyframes_;
   std::shared_ptr<const KeyframeData> unrecognised_;  // of the present frame
+  std::optional<PlaceHint> hint_;                     // while lost
   int frames_lost_ = 0;
   int frames_searched_ = 0;       // of the lost ones, those that showed something
   bool lacks_templates_ = false;  // of what is in view: a keyframe here would give them

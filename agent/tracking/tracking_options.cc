@@ -21,6 +21,7 @@ Status TrackingOptions::Check() const {
            InRange("min_recovery_inliers", min_recovery_inliers, 6, 1000),
            InRange("min_start_points", min_start_points, 20, 5000),
            InRange("frames_until_new_map", frames_until_new_map, 1, 100000),
+           InRange("frames_for_hint", frames_for_hint, 0, 100000),
            InRange("pyramid_levels", pyramid_levels, 3, kMaxPyramidLevels),
            InRange("search.max_landmarks", search.max_landmarks, 20, 5000),
            InRange("search.patch_sigma", search.patch_sigma, 0.05, 10.0),

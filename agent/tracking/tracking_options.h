@@ -25,6 +25,8 @@ struct TrackingOptions {
   // Lost frames that show something before the map is left and a new one started; half a second at 20 Hz. A known place
   // is mostly recognised in the first of them. Dark ones do not count: the place may be known when the light is back.
   int frames_until_new_map = 10;
+  // Further ones where somebody else knows the place: what is around it is on its way.
+  int frames_for_hint = 20;
   int frames_predicted = 5;           // lost frames during which the latest motion still predicts the pose
   int pyramid_levels = 5;             // factor-2 levels for patch tracking
   std::size_t max_templates = 12000;  // landmarks with templates kept, about 1.2 KB a view

@@ -15,7 +15,8 @@ namespace pangaea {
 struct AgentCorrection {
   SessionId session = 0;
   std::uint64_t server_incarnation = 0;
-  // Grows with each correction of a session, also over restarts of the server: the position of its journal.
+  // Grows with each correction of a session, also over restarts of the server: 1024 times the position of its journal,
+  // and a count of those that were cut there.
   std::uint64_t version = 0;
   // The state the pieces were cut from holds the session's envelopes up to this sequence and none after it.
   std::uint64_t acknowledged = 0;

@@ -21,7 +21,9 @@ enum class AtlasEventKind : std::uint32_t {
   kRejected = 9,
   kStoreFailed = 10,
   kStoreRecovered = 11,
-  kWeldRefused = 12,  // a merge or loop that was recognised, but did not hold
+  kWeldRefused = 12,     // a merge or loop that was recognised, but did not hold
+  kRelocalized = 13,     // a lost agent's frame was found in the atlas
+  kNotRelocalized = 14,  // it was not; the first of those in a row
 };
 
 struct AtlasEvent {

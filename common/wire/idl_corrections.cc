@@ -130,7 +130,7 @@ pangaea_wire_RelocalizationAnswer BorrowAsIdl(const RelocalizationAnswer& value)
   sample.map_id = ToIdl(value.map);
   sample.reference = ToIdl(value.reference);
   sample.camera_from_reference = ToIdl(value.camera_from_reference);
-  sample.correction_version = value.correction_version;
+  sample.inliers = value.inliers;
   return sample;
 }
 
@@ -143,7 +143,7 @@ Result<RelocalizationAnswer> FromIdl(const pangaea_wire_RelocalizationAnswer& sa
   if (!answer.found) return answer;
   answer.map = IdOf<MapId>(sample.map_id);
   answer.reference = IdOf<KeyframeId>(sample.reference);
-  answer.correction_version = sample.correction_version;
+  answer.inliers = sample.inliers;
   if (!CheckNewId(answer.map) || !CheckNewId(answer.reference)) {
     return Fail(ErrorCode::kInvalidArgument, "an answer with impossible ids");
   }

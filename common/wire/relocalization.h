@@ -16,6 +16,7 @@ struct RelocalizationRequest {
   std::shared_ptr<const KeyframeData> frame;
 };
 
+// The place itself comes as a correction: the pose means something once `reference` is there.
 struct RelocalizationAnswer {
   SessionId session = 0;
   std::uint64_t request = 0;
@@ -24,8 +25,7 @@ struct RelocalizationAnswer {
   MapId map;
   KeyframeId reference;
   Rigid3d camera_from_reference;  // camera frame of `reference` to that of the frame asked about
-  // The place itself comes as a correction: apply this version or a later one first.
-  std::uint64_t correction_version = 0;
+  std::uint32_t inliers = 0;      // landmarks that the pose rests on
 };
 
 }  // namespace pangaea

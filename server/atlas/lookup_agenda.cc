@@ -1,6 +1,17 @@
 #include "server/atlas/lookup_agenda.h"
 
+#include <algorithm>
+
 namespace pangaea {
+namespace {
+
+std::size_t LandmarkCount(const Atlas& atlas, KeyframeId id) {
+  const Keyframe* keyframe = atlas.FindKeyframe(id);
+  if (keyframe == nullptr) return 0;
+  return static_cast<std::size_t>(std::ranges::count_if(keyframe->landmarks, &LandmarkId::valid));
+}
+
+}  // namespace
 
 Status LookupOptions::Check() const {
   if (recent >= 1) return {};
@@ -9,6 +20,7 @@ Status LookupOptions::Check() const {
 
 std::vector<KeyframeId> LookupAgenda::Update(const Atlas& atlas) {
   std::vector<KeyframeId> vanished = DropVanished(atlas);
+  ResumeDeferred(atlas);
   if (known_.size() == atlas.keyframe_count()) return vanished;
   atlas.ForEachKeyframe([this](const Keyframe& keyframe) {
     if (known_.insert(keyframe.id).second) Enter(keyframe.id);
@@ -26,9 +38,23 @@ std::vector<KeyframeId> LookupAgenda::DropVanished(const Atlas& atlas) {
   if (vanished.empty()) return vanished;
   const auto unknown = [this](KeyframeId id) { return !known_.contains(id); };
   std::erase_if(backlog_, unknown);
+  std::erase_if(deferred_, [&](const auto& entry) { return unknown(entry.first); });
   for (auto& [session, ids] : recent_) std::erase_if(ids, unknown);
   std::erase_if(recent_, [](const auto& session) { return session.second.empty(); });
   return vanished;
+}
+
+// Landmarks travel behind their keyframe, often in a later envelope.
+void LookupAgenda::ResumeDeferred(const Atlas& atlas) {
+  std::erase_if(deferred_, [&](const auto& entry) {
+    if (LandmarkCount(atlas, entry.first) <= entry.second) return false;
+    backlog_.push_front(entry.first);
+    return true;
+  });
+}
+
+void LookupAgenda::Defer(const Atlas& atlas, KeyframeId id) {
+  if (known_.contains(id)) deferred_[id] = LandmarkCount(atlas, id);
 }
 
 void LookupAgenda::Enter(KeyframeId id) {

@@ -31,18 +31,21 @@ class LookupAgenda {
   std::vector<KeyframeId> Update(const Atlas& atlas);
   // The next keyframe, which from now on counts as looked up. Nothing when all were.
   std::optional<KeyframeId> Next();
-  // Puts one back that could not be looked up yet: behind all others.
-  void Defer(KeyframeId id) { backlog_.push_front(id); }
+  // Puts one back that shows too few landmarks in this atlas to be looked up: its turn comes again, behind all others,
+  // when Update has seen more of them.
+  void Defer(const Atlas& atlas, KeyframeId id);
   std::size_t waiting() const;
 
  private:
   std::vector<KeyframeId> DropVanished(const Atlas& atlas);
+  void ResumeDeferred(const Atlas& atlas);
   void Enter(KeyframeId id);
 
   LookupOptions options_;
   std::set<KeyframeId> known_;
   std::map<SessionId, std::deque<KeyframeId>> recent_;  // ascending; none empty
   std::deque<KeyframeId> backlog_;                      // the next at the back
+  std::map<KeyframeId, std::size_t> deferred_;          // and how many landmarks they showed
   SessionId served_ = 0;                                // whose turn it was
 };
 

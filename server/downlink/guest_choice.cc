@@ -5,8 +5,8 @@
 namespace pangaea {
 
 Status GuestOptions::Check() const {
-  if (window >= 1 && new_at_once >= 1) return {};
-  return Fail(ErrorCode::kInvalidArgument, "window and new_at_once must be at least 1");
+  if (window >= 1 && new_at_once >= 1 && found_at_once >= 1) return {};
+  return Fail(ErrorCode::kInvalidArgument, "window, new_at_once and found_at_once must be at least 1");
 }
 
 std::vector<KeyframeId> ChooseGuests(const Atlas& atlas, KeyframeId near, SessionId session,

@@ -14,6 +14,8 @@ struct GuestOptions {
   std::size_t wanted = 30;
   // Of these, how many that it does not hold yet one correction brings: their features are 45 kB each.
   std::size_t new_at_once = 8;
+  // The same where the agent was lost and was found again: it looks at all of the place at once.
+  std::size_t found_at_once = 16;
   // The window grows over so many keyframes of all sessions to find them.
   std::size_t window = 120;
 

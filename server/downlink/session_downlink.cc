@@ -8,32 +8,63 @@
 
 namespace pangaea {
 
+namespace {
+
+// A version is the position of the journal and a count of the corrections that were cut there: an agent may be told of
+// guests while nothing is journaled.
+constexpr std::uint64_t kMostAtOnePosition = 1024;
+std::uint64_t PositionOf(std::uint64_t version) { return version / kMostAtOnePosition; }
+
+}  // namespace
+
 void SessionDownlink::Take(const MapInterest& interest) {
+  if (interest_ && interest_->reference != interest.reference) {
+    place_ = {};
+    not_wanted_.clear();
+  }
   interest_ = interest;
   if (!sent_ || interest.applied_version < sent_->version) return;
   confirmed_ = std::exchange(sent_, std::nullopt);
+  for (const KeyframeId id : confirmed_->new_guests) {
+    if (!std::ranges::binary_search(interest.guests, id)) not_wanted_.insert(id);
+  }
+}
+
+void SessionDownlink::Show(KeyframeId place) {
+  place_ = place;
+  not_wanted_.clear();
+}
+
+// Nothing where there are too many at one position.
+std::optional<std::uint64_t> SessionDownlink::NextVersion(std::uint64_t position) const {
+  // After a restart of the server the agent may have applied what is not remembered here.
+  const std::uint64_t newest = std::max(sent_version_, interest_->applied_version);
+  const std::uint64_t version = std::max(position * kMostAtOnePosition, newest + 1);
+  return PositionOf(version) == position ? std::optional(version) : std::nullopt;
 }
 
 std::optional<AgentCorrection> SessionDownlink::Next(const SessionView& view) {
-  if (!interest_ || sent_ || view.position <= sent_version_) return std::nullopt;
+  if (!interest_ || sent_) return std::nullopt;
+  const auto version = NextVersion(view.position);
+  if (!version) return std::nullopt;
   const std::vector<KeyframeId> new_guests = NewGuests(view.atlas);
   if (new_guests.empty() && !IsConcerned(view)) return std::nullopt;
   AgentCorrection correction;
   correction.session = session_;
-  correction.version = view.position;
+  correction.version = *version;
   correction.acknowledged = view.acknowledged;
   for (const MapId map : ConcernedMaps(view.atlas)) {
     MapPiece piece = PieceOf(map, view, new_guests);
     if (!piece.empty()) correction.pieces.push_back(std::move(piece));
   }
-  sent_ = Told{view.atlas, view.position, view.correction};
-  sent_version_ = view.position;
+  sent_ = Told{view.atlas, *version, view.position, view.correction, new_guests};
+  sent_version_ = *version;
   return correction;
 }
 
 // Whether the server changed anything of the session since it was last told.
 bool SessionDownlink::IsConcerned(const SessionView& view) const {
-  const std::uint64_t known = confirmed_ ? confirmed_->correction : interest_->applied_version;
+  const std::uint64_t known = confirmed_ ? confirmed_->correction : PositionOf(interest_->applied_version);
   if (view.correction <= known) return false;
   bool corrected = false;
   view.atlas.ForEachKeyframe(session_,
@@ -48,13 +79,17 @@ std::vector<MapId> SessionDownlink::ConcernedMaps(const Atlas& atlas) const {
     if (const Keyframe* guest = atlas.FindKeyframe(id)) maps.insert(guest->map);
   }
   if (const Keyframe* near = atlas.FindKeyframe(atlas.Resolve(interest_->reference))) maps.insert(near->map);
+  if (const Keyframe* place = atlas.FindKeyframe(atlas.Resolve(place_))) maps.insert(place->map);
   return {maps.begin(), maps.end()};
 }
 
 std::vector<KeyframeId> SessionDownlink::NewGuests(const Atlas& atlas) const {
-  std::vector<KeyframeId> guests = ChooseGuests(atlas, interest_->reference, session_, options_);
-  std::erase_if(guests, [this](KeyframeId id) { return std::ranges::binary_search(interest_->guests, id); });
-  if (guests.size() > options_.new_at_once) guests.resize(options_.new_at_once);
+  const KeyframeId near = place_.valid() ? place_ : interest_->reference;
+  std::vector<KeyframeId> guests = ChooseGuests(atlas, near, session_, options_);
+  std::erase_if(guests, [this](KeyframeId id) {
+    return std::ranges::binary_search(interest_->guests, id) || not_wanted_.contains(id);
+  });
+  guests.resize(std::min(guests.size(), place_.valid() ? options_.found_at_once : options_.new_at_once));
   return guests;
 }
 
@@ -62,8 +97,8 @@ std::vector<KeyframeId> SessionDownlink::NewGuests(const Atlas& atlas) const {
 // features is 60 bytes: which of them the agent knows in which state is not worth finding out.
 MapPiece SessionDownlink::PieceOf(MapId map, const SessionView& view, const std::vector<KeyframeId>& new_guests) const {
   const Atlas& atlas = view.atlas;
-  const KnownState known = confirmed_ ? KnownState{&confirmed_->atlas, confirmed_->version}
-                                      : KnownState{nullptr, interest_->applied_version};
+  const KnownState known = confirmed_ ? KnownState{&confirmed_->atlas, confirmed_->position}
+                                      : KnownState{nullptr, PositionOf(interest_->applied_version)};
   PieceSelection selection;
   selection.map = map;
   const auto is_here = [&](KeyframeId id) {

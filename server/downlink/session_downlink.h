@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "common/map/atlas.h"
@@ -29,6 +30,9 @@ class SessionDownlink {
 
   // An agent that says nothing gets nothing.
   void Take(const MapInterest& interest);
+  // The agent was lost, and its camera was found to be near to that keyframe, whatever its interest says: the next
+  // correction tells of the place. Until its interest names another keyframe than now.
+  void Show(KeyframeId place);
   // The correction to send now, without the server's incarnation. Nothing while the last one was not applied, and where
   // the agent knows all that concerns it.
   std::optional<AgentCorrection> Next(const SessionView& view);
@@ -46,8 +50,11 @@ class SessionDownlink {
   struct Told {
     Atlas atlas;
     std::uint64_t version = 0;
+    std::uint64_t position = 0;
     std::uint64_t correction = 0;
+    std::vector<KeyframeId> new_guests = {};
   };
+  std::optional<std::uint64_t> NextVersion(std::uint64_t position) const;
   std::vector<MapId> ConcernedMaps(const Atlas& atlas) const;
   std::vector<KeyframeId> NewGuests(const Atlas& atlas) const;
   bool IsConcerned(const SessionView& view) const;
@@ -56,8 +63,10 @@ class SessionDownlink {
   SessionId session_;
   GuestOptions options_;
   std::optional<MapInterest> interest_;
-  std::optional<Told> sent_;       // and not yet applied
-  std::optional<Told> confirmed_;  // the newest applied
+  KeyframeId place_;                 // where the agent was found
+  std::set<KeyframeId> not_wanted_;  // guests that it was given here and did not keep
+  std::optional<Told> sent_;         // and not yet applied
+  std::optional<Told> confirmed_;    // the newest applied
   std::uint64_t sent_version_ = 0;
 };
 

@@ -40,11 +40,6 @@ std::vector<std::pair<LandmarkId, LandmarkId>> LivingPairs(const Atlas& atlas, c
 
 }  // namespace
 
-bool IsMetric(const Atlas& atlas, MapId map) {
-  const MapInfo* info = atlas.FindMap(map);
-  return info != nullptr && atlas.FindKeyframe(info->root)->data->camera.is_stereo();
-}
-
 MapId Survivor(const Atlas& atlas, MapId a, MapId b) { return Seniority(atlas, a) < Seniority(atlas, b) ? a : b; }
 
 std::optional<Seam> FindSeam(const Atlas& atlas, const PlaceMatch& match) {

@@ -6,6 +6,7 @@
 
 #include "common/geometry/similarity3.h"
 #include "common/map/atlas.h"
+#include "common/map/metric_map.h"
 #include "server/place_recognition/place_match.h"
 
 namespace pangaea {
@@ -24,10 +25,6 @@ struct Seam {
 
   bool is_merge() const { return kept_map != moved_map; }
 };
-
-// Whether lengths in the map are metres: it began with a stereo camera. (A merge never lets a scale-free map survive a
-// metric one, so the root tells.)
-bool IsMetric(const Atlas& atlas, MapId map);
 
 // Which of two maps survives their merge: a metric one beats a scale-free one, then the one whose root was taken
 // earlier, then the lower id. The same whichever is named first.

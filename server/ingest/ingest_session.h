@@ -40,6 +40,8 @@ class IngestSession {
   const SessionRecord& record() const { return record_; }
   // Its agent runs: one of its writers is there, and it did not say that it ended.
   bool alive() const { return owner_ != 0 && !record_.announcement.closed; }
+  // One that is gone by now owns nothing.
+  bool IsOwnedBy(const Sender& sender) const { return owner_ != 0 && owner_ == sender.participant; }
   // For agents that missed an ack: the newest rejections, oldest first.
   std::vector<Rejection> RecentRejections() const { return {recent_.begin(), recent_.end()}; }
   void RememberRejection(Rejection rejection);

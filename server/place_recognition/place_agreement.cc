@@ -46,15 +46,16 @@ PlaceVote VoteOf(const PlaceWitness& witness, const PlaceAgreementOptions& optio
   return enough && confirmed < options.contradicting_cell_share * expected ? PlaceVote::kNo : PlaceVote::kNothing;
 }
 
-PlaceWitness Ask(const Atlas& atlas, const Keyframe& asked, std::span<const KeyframeId> window, const AssumedPose& pose,
-                 const PlaceRecognitionOptions& options) {
-  PlaceWitness witness{.keyframe = asked.id};
+PlaceWitness Ask(const Atlas& atlas, const KeyframeData& asked, std::span<const KeyframeId> window,
+                 const Similarity3d& map_from_asked, const PlaceRecognitionOptions& options) {
+  PlaceWitness witness;
+  const AssumedPose pose{map_from_asked, map_from_asked.rotation() * Eigen::Vector3d::UnitZ()};
   const std::vector<KeyframeId> lookalikes = Lookalikes(atlas, window, pose, options.agreement);
   if (lookalikes.empty()) return witness;
   const PlaceView place = MakePlaceView(atlas, lookalikes);
   const Similarity3d map_from_center(atlas.FindKeyframe(lookalikes.front())->camera_from_map.Inverse());
-  const FeatureGrid grid(asked.data->features.keypoints);
-  const GuidedSearch search = SearchInImage(place, *asked.data, grid, pose.map_from_camera.Inverse() * map_from_center,
+  const FeatureGrid grid(asked.features.keypoints);
+  const GuidedSearch search = SearchInImage(place, asked, grid, pose.map_from_camera.Inverse() * map_from_center,
                                             options.agreement.radius, options.geometry);
   witness.visible = search.visible;
   witness.found = search.matches.size();
@@ -81,10 +82,16 @@ std::vector<PlaceWitness> AskSurroundings(const Atlas& atlas, const Keyframe& qu
     const Keyframe& asked = *atlas.FindKeyframe(id);
     const Rigid3d query_from_asked = query.camera_from_map * asked.camera_from_map.Inverse();
     const Similarity3d map_from_asked = map_from_query * Similarity3d(query_from_asked);
-    const Eigen::Vector3d axis = map_from_asked.rotation() * Eigen::Vector3d::UnitZ();
-    witnesses.push_back(Ask(atlas, asked, window, {map_from_asked, axis}, options));
+    witnesses.push_back(Ask(atlas, *asked.data, window, map_from_asked, options));
+    witnesses.back().keyframe = id;
   }
   return witnesses;
+}
+
+PlaceWitness AskFrame(const Atlas& atlas, const KeyframeData& frame, const Keyframe& candidate,
+                      const Rigid3d& camera_from_map, const PlaceRecognitionOptions& options) {
+  const std::vector<KeyframeId> window = GrowWindow(atlas, candidate.id, options.agreement.window);
+  return Ask(atlas, frame, window, Similarity3d(camera_from_map.Inverse()), options);
 }
 
 }  // namespace pangaea

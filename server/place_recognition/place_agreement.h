@@ -28,4 +28,9 @@ std::vector<PlaceWitness> AskSurroundings(const Atlas& atlas, const Keyframe& qu
                                           const Similarity3d& candidate_from_query,
                                           const PlaceRecognitionOptions& options);
 
+// Asks a frame of no map in the same way whether it sees what is around the candidate from `camera_from_map` (the
+// candidate's map). Nobody around it can be asked, so it has to say yes itself.
+PlaceWitness AskFrame(const Atlas& atlas, const KeyframeData& frame, const Keyframe& candidate,
+                      const Rigid3d& camera_from_map, const PlaceRecognitionOptions& options);
+
 }  // namespace pangaea

@@ -58,14 +58,14 @@ AtlasWork::AtlasWork(AtlasService& service, const WorkOptions& options,
                                                        options.optimization, finished, ledger_);
   OptimizationThread& optimization = *optimization_;
   const WeldingThread::Links links{
-      std::move(output.report),
-      [&optimization](const WeldingPlan& plan) { optimization.Welded(plan.map, plan.absorbed); },
+      output.report, [&optimization](const WeldingPlan& plan) { optimization.Welded(plan.map, plan.absorbed); },
       [&optimization](MapId map) { return optimization.HoldsLoops(map); }};
   welding_ = std::make_unique<WeldingThread>(service, options.fusion, options.pose_graph,
                                              WeldingAgenda(options.agenda, service.separations()), links, ledger_);
-  const auto found = [this](PlaceMatch match) { welding_->Add(std::move(match)); };
-  recognition_ =
-      std::make_unique<RecognitionThread>(service, vocabulary_, options.place, options.lookup, found, ledger_);
+  const RecognitionThread::Links found{[this](PlaceMatch match) { welding_->Add(std::move(match)); },
+                                       std::move(output.answer), std::move(output.report)};
+  recognition_ = std::make_unique<RecognitionThread>(
+      service, vocabulary_, RecognitionThread::Options{options.place, options.lookup, options.frames}, found, ledger_);
 }
 
 void AtlasWork::Start() {

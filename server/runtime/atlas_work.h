@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <utility>
 
 #include "common/base/result.h"
 #include "common/place/vocabulary_tree.h"
@@ -19,8 +20,9 @@ namespace pangaea {
 class AtlasWork {
  public:
   struct Output {
-    std::function<void(const AtlasEvent&)> report;  // of what was refused; any thread
-    std::function<void()> progressed;               // report() is another; any thread
+    std::function<void(const AtlasEvent&)> report;            // of what was refused; any thread
+    std::function<void()> progressed;                         // report() is another; any thread
+    std::function<void(const RelocalizationAnswer&)> answer;  // to a lost agent; on the recognition thread
   };
   // `service` outlives it. Errors: the vocabulary cannot be read.
   static Result<std::unique_ptr<AtlasWork>> Create(AtlasService& service, const WorkOptions& options, Output output);
@@ -30,6 +32,8 @@ class AtlasWork {
   void Stop();
   // Any thread: there is a new state.
   void Notify();
+  // Any thread: where was this frame taken? The answer comes through the output; see RecognitionThread::Ask.
+  void Ask(PlaceQuestion question) { recognition_->Ask(std::move(question)); }
 
   WorkReport report() const { return ledger_.Read(); }
   const VocabularyTree& vocabulary() const { return *vocabulary_; }

@@ -30,10 +30,17 @@ class Bell {
     rung_ = false;
     return !stop.stop_requested();
   }
-  // Does not listen for that long. False when a stop was requested.
+  // As Ring, for what cannot wait: ends a rest, too.
+  void RingNow() EXCLUDES(mutex_) {
+    MutexLock lock(mutex_);
+    rung_ = urgent_ = true;
+    ringing_.notify_one();
+  }
+  // Does not listen for that long, except to what cannot wait. False when a stop was requested.
   bool Rest(const std::stop_token& stop, std::chrono::milliseconds duration) EXCLUDES(mutex_) {
     MutexLock lock(mutex_);
-    ringing_.wait_for(mutex_, stop, duration, [] { return false; });
+    ringing_.wait_for(mutex_, stop, duration, [this]() REQUIRES(mutex_) { return urgent_; });
+    urgent_ = false;
     return !stop.stop_requested();
   }
 
@@ -41,6 +48,7 @@ class Bell {
   Mutex mutex_;
   ConditionVariable ringing_;
   bool rung_ GUARDED_BY(mutex_) = false;
+  bool urgent_ GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace pangaea

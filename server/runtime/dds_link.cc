@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <bit>
 #include <set>
 #include <utility>
 
@@ -42,16 +43,21 @@ Result<DdsLink::Topics> DdsLink::OpenTopics(const Participant& participant) {
   if (!edits) return tl::make_unexpected(edits.error());
   auto interests = Reader<MapInterest>::Open(participant);
   if (!interests) return tl::make_unexpected(interests.error());
+  auto requests = Reader<RelocalizationRequest>::Open(participant);
+  if (!requests) return tl::make_unexpected(requests.error());
   auto acks = Writer<EditAck>::Open(participant);
   if (!acks) return tl::make_unexpected(acks.error());
   auto corrections = Writer<CorrectionPart>::Open(participant);
   if (!corrections) return tl::make_unexpected(corrections.error());
+  auto answers = Writer<RelocalizationAnswer>::Open(participant);
+  if (!answers) return tl::make_unexpected(answers.error());
   auto events = Writer<AtlasEvent>::Open(participant);
   if (!events) return tl::make_unexpected(events.error());
   auto status = Writer<AtlasStatus>::Open(participant);
   if (!status) return tl::make_unexpected(status.error());
-  return Topics{std::move(*sessions),    std::move(*edits),  std::move(*interests), std::move(*acks),
-                std::move(*corrections), std::move(*events), std::move(*status)};
+  return Topics{std::move(*sessions), std::move(*edits),  std::move(*interests),
+                std::move(*requests), std::move(*acks),   std::move(*corrections),
+                std::move(*answers),  std::move(*events), std::move(*status)};
 }
 
 Result<std::unique_ptr<DdsLink>> DdsLink::Open(const DomainOptions& options, const std::string& site, Sinks sinks) {
@@ -89,10 +95,21 @@ Status DdsLink::Connect() {
   const auto interested = [this](Sample<MapInterest> sample) {
     if (sample.alive) sinks_.interest(std::move(sample.value));
   };
+  const auto refused_question = [this](const Error& error) {
+    if (std::has_single_bit(++refused_questions_)) sinks_.refused_question(error);
+  };
+  const auto asked = [this](Sample<RelocalizationRequest> sample) {
+    if (!sample.alive) return;
+    sinks_.question({std::move(sample.value), senders_.Find(topics_.requests, sample.publication)});
+  };
   if (auto status = waiter_->OnSample<SessionAnnouncement>(topics_.sessions, announced, refused); !status)
     return status;
   if (auto status = waiter_->OnSample<Envelope>(topics_.edits, edited, refused); !status) return status;
   if (auto status = waiter_->OnSample<MapInterest>(topics_.interests, interested, refused); !status) return status;
+  if (auto status = waiter_->OnSample<RelocalizationRequest>(topics_.requests, asked, refused_question); !status)
+    return status;
+  const auto lost_asker = [this](const MatchChange&) { senders_.TakeLost(topics_.requests); };
+  if (auto status = waiter_->OnMatch(topics_.requests, lost_asker); !status) return status;
   const auto lost_announcer = [this](const MatchChange&) { SubmitLost(topics_.sessions); };
   const auto lost_editor = [this](const MatchChange&) { SubmitLost(topics_.edits); };
   if (auto status = waiter_->OnMatch(topics_.sessions, lost_announcer); !status) return status;
@@ -110,5 +127,7 @@ void DdsLink::Report(const AtlasEvent& event) { LogFailure(topics_.events.Write(
 void DdsLink::Publish(const AtlasStatus& status) { LogFailure(topics_.status.Write(status)); }
 
 void DdsLink::Send(const CorrectionPart& part) { LogFailure(topics_.corrections.Write(part)); }
+
+void DdsLink::Answer(const RelocalizationAnswer& answer) { LogFailure(topics_.answers.Write(answer)); }
 
 }  // namespace pangaea

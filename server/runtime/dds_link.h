@@ -11,6 +11,7 @@
 #include "common/dds/reader.h"
 #include "common/dds/waiter.h"
 #include "common/dds/writer.h"
+#include "server/atlas/relocalization_agenda.h"
 #include "server/ingest/ingest_round.h"
 #include "server/runtime/server_options.h"
 
@@ -34,6 +35,8 @@ class DdsLink {
   struct Sinks {
     std::function<void(IngestInput)> ingest;
     std::function<void(MapInterest)> interest;
+    std::function<void(PlaceQuestion)> question;
+    std::function<void(const Error&)> refused_question;  // none of ours; ever more seldom in a flood
   };
   static Result<std::unique_ptr<DdsLink>> Open(const DomainOptions& domain, const std::string& site, Sinks sinks);
 
@@ -46,14 +49,17 @@ class DdsLink {
   void Report(const AtlasEvent& event);
   void Publish(const AtlasStatus& status);
   void Send(const CorrectionPart& part);
+  void Answer(const RelocalizationAnswer& answer);
 
  private:
   struct Topics {
     Reader<SessionAnnouncement> sessions;
     Reader<Envelope> edits;
     Reader<MapInterest> interests;
+    Reader<RelocalizationRequest> requests;
     Writer<EditAck> acks;
     Writer<CorrectionPart> corrections;
+    Writer<RelocalizationAnswer> answers;
     Writer<AtlasEvent> events;
     Writer<AtlasStatus> status;
   };
@@ -68,6 +74,7 @@ class DdsLink {
   Topics topics_;
   Sinks sinks_;
   SenderBook senders_;
+  std::uint64_t refused_questions_ = 0;
   std::unique_ptr<Waiter> waiter_;
 };
 

@@ -31,9 +31,17 @@ void DownlinkThread::Stop() {
 void DownlinkThread::Take(MapInterest interest) {
   {
     MutexLock lock(mutex_);
-    interests_[interest.session] = std::move(interest);
+    news_[interest.session].interest = std::move(interest);
   }
   bell_.Ring();
+}
+
+void DownlinkThread::Show(SessionId session, KeyframeId place) {
+  {
+    MutexLock lock(mutex_);
+    news_[session].place = place;
+  }
+  bell_.RingNow();
 }
 
 void DownlinkThread::Complete(EditAck& ack) const {
@@ -57,21 +65,24 @@ DownlinkThread::Said DownlinkThread::SayTo(SessionId session, const IngestState&
 void DownlinkThread::Run(const std::stop_token& stop) {
   StandBack(kNice);
   while (bell_.WaitFor(stop, kLongestSleep)) {
-    TakeInterests();
+    TakeNews();
     SendAll();
     SayWhatChanged();
     if (!bell_.Rest(stop, kGather)) return;
   }
 }
 
-void DownlinkThread::TakeInterests() {
-  std::map<SessionId, MapInterest> interests;
+void DownlinkThread::TakeNews() {
+  std::map<SessionId, News> all;
   {
     MutexLock lock(mutex_);
-    interests.swap(interests_);
+    all.swap(news_);
   }
-  for (const auto& [session, interest] : interests) {
-    lines_.try_emplace(session, Line{SessionDownlink(session, options_)}).first->second.downlink.Take(interest);
+  for (const auto& [session, news] : all) {
+    SessionDownlink& downlink =
+        lines_.try_emplace(session, Line{SessionDownlink(session, options_)}).first->second.downlink;
+    if (news.interest) downlink.Take(*news.interest);
+    if (news.place.valid()) downlink.Show(news.place);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <stop_token>
 #include <thread>
 #include <utility>
@@ -35,6 +36,8 @@ class DownlinkThread {
   void Notify() { bell_.Ring(); }
   // Any thread.
   void Take(MapInterest interest) EXCLUDES(mutex_);
+  // Any thread: the agent was lost and its camera is near to that keyframe. Tells it of the place at once.
+  void Show(SessionId session, KeyframeId place) EXCLUDES(mutex_);
   // Any thread: what an ack of this moment says beside numbers.
   void Complete(EditAck& ack) const EXCLUDES(mutex_);
 
@@ -43,6 +46,11 @@ class DownlinkThread {
   struct Line {
     SessionDownlink downlink;
     Clock::time_point sent{};
+  };
+  // What came for a session that the thread has not seen yet.
+  struct News {
+    std::optional<MapInterest> interest;
+    KeyframeId place;  // where it was found; none: it was not asked for
   };
   // How far a session was told of the atlas.
   struct Progress {
@@ -55,7 +63,7 @@ class DownlinkThread {
   };
 
   void Run(const std::stop_token& stop);
-  void TakeInterests() EXCLUDES(mutex_);
+  void TakeNews() EXCLUDES(mutex_);
   void SendAll();
   void SendTo(SessionId session, Line& line, const IngestState& state);
   Said SayTo(SessionId session, const IngestState& state) const EXCLUDES(mutex_);
@@ -67,7 +75,7 @@ class DownlinkThread {
   const Links links_;
   Bell bell_;
   mutable Mutex mutex_;
-  std::map<SessionId, MapInterest> interests_ GUARDED_BY(mutex_);  // that the thread has not seen yet
+  std::map<SessionId, News> news_ GUARDED_BY(mutex_);
   std::map<SessionId, Progress> progress_ GUARDED_BY(mutex_);
   // Of the thread.
   std::map<SessionId, Line> lines_;

@@ -1,11 +1,14 @@
 #include "server/runtime/recognition_thread.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <optional>
 #include <utility>
 
 #include "server/runtime/stopwatch.h"
 #include "server/runtime/thread_priority.h"
+#include "server/runtime/unix_clock.h"
 
 namespace pangaea {
 namespace {
@@ -16,13 +19,14 @@ constexpr int kNice = 5;
 }  // namespace
 
 RecognitionThread::RecognitionThread(const AtlasService& service, std::shared_ptr<const VocabularyTree> vocabulary,
-                                     const PlaceRecognitionOptions& place, const LookupOptions& lookup, Found found,
-                                     WorkLedger& ledger)
+                                     const Options& options, Links links, WorkLedger& ledger)
     : service_(service),
-      found_(std::move(found)),
+      frames_(options.frames),
+      place_(options.place),
+      links_(std::move(links)),
       ledger_(ledger),
-      recognizer_(std::move(vocabulary), place),
-      agenda_(lookup) {}
+      recognizer_(std::move(vocabulary), options.place),
+      agenda_(options.lookup) {}
 
 void RecognitionThread::Start() {
   thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
@@ -33,11 +37,22 @@ void RecognitionThread::Stop() {
   if (thread_.joinable()) thread_.join();
 }
 
+void RecognitionThread::Ask(PlaceQuestion question) {
+  {
+    MutexLock lock(mutex_);
+    (void)questions_.Put(std::move(question));
+  }
+  bell_.Ring();
+}
+
 void RecognitionThread::Run(const std::stop_token& stop) {
   StandBack(kNice);
   IndexRecovered(stop);
   while (bell_.Wait(stop)) {
-    while (!stop.stop_requested() && LookUpOne()) {
+    bool more = true;
+    while (!stop.stop_requested() && more) {
+      const bool answered = AnswerOne();
+      more = LookUpOne() || answered;
     }
   }
 }
@@ -72,8 +87,70 @@ bool RecognitionThread::LookUpOne() {
     report.recognition_ms.Add(milliseconds);
     report.recognized += recognition.matches.size();
   });
-  for (PlaceMatch& match : recognition.matches) found_(std::move(match));
+  if (recognition.report.outcome == PlaceOutcome::kFewLandmarks) agenda_.Defer(atlas, *keyframe);
+  for (PlaceMatch& match : recognition.matches) links_.found(std::move(match));
   return true;
+}
+
+bool RecognitionThread::AnswerOne() {
+  std::optional<PlaceQuestion> question;
+  {
+    MutexLock lock(mutex_);
+    question = questions_.Next();
+  }
+  if (!question) return false;
+  const auto state = service_.State();
+  if (const Status status = CheckQuestion(state->ingest, *question); !status) {
+    Refuse(*question, status.error());
+    return true;
+  }
+  TakeIn(state->ingest.atlas);
+  const Stopwatch watch;
+  const FrameLookup lookup = LookUpFrame(state->ingest.atlas, recognizer_.index(), recognizer_.vocabulary(),
+                                         *question->request.frame, frames_, place_);
+  Answer(*question, lookup, watch.milliseconds());
+  return true;
+}
+
+void RecognitionThread::Refuse(const PlaceQuestion& question, const Error& error) {
+  ReportFirst(AtlasEventKind::kRejected, question.request.session, "a request to be located: " + error.message);
+}
+
+void RecognitionThread::Answer(const PlaceQuestion& question, const FrameLookup& lookup, double milliseconds) {
+  const RelocalizationRequest& request = question.request;
+  RelocalizationAnswer answer;
+  answer.session = request.session;
+  answer.request = request.request;
+  answer.found = lookup.is_found();
+  std::string text = fmt::format("request {}: {}", request.request, ToString(lookup.outcome));
+  if (lookup.is_found()) {
+    answer.map = lookup.map;
+    answer.reference = lookup.keyframe;
+    answer.camera_from_reference = lookup.camera_from_keyframe;
+    answer.inliers = static_cast<std::uint32_t>(lookup.inliers);
+    text += fmt::format(" in map {}", ToString(lookup.map));
+  }
+  if (lookup.keyframe.valid()) {
+    text +=
+        fmt::format(" by keyframe {}: {} of {} landmarks agree, {} of {} parts of the image", ToString(lookup.keyframe),
+                    lookup.inliers, lookup.found, lookup.confirmed_cells, lookup.expected_cells);
+  }
+  text += fmt::format("; {} candidates, {:.1f} ms", lookup.candidates, milliseconds);
+  links_.answer(answer);
+  ledger_.Write([&](WorkReport& report) {
+    report.relocalization_ms.Add(milliseconds);
+    ++(lookup.is_found() ? report.relocalized : report.not_relocalized);
+  });
+  ReportFirst(lookup.is_found() ? AtlasEventKind::kRelocalized : AtlasEventKind::kNotRelocalized, request.session,
+              text);
+}
+
+void RecognitionThread::ReportFirst(AtlasEventKind kind, SessionId session, const std::string& text) {
+  constexpr std::size_t kMostRemembered = 1000;  // a sender may invent sessions
+  if (reported_.size() >= kMostRemembered && !reported_.contains(session)) return;
+  const auto [before, is_new] = reported_.try_emplace(session, kind);
+  if (!is_new && std::exchange(before->second, kind) == kind && kind != AtlasEventKind::kRelocalized) return;
+  links_.report({service_.site(), kind, text, session, UnixNanoseconds()});
 }
 
 void RecognitionThread::TakeIn(const Atlas& atlas) {

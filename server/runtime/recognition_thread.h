@@ -1,12 +1,19 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <stop_token>
+#include <string>
 #include <thread>
 
+#include "common/base/mutex.h"
 #include "common/place/vocabulary_tree.h"
+#include "common/wire/atlas_event.h"
+#include "common/wire/relocalization.h"
 #include "server/atlas/lookup_agenda.h"
+#include "server/atlas/relocalization_agenda.h"
+#include "server/place_recognition/frame_lookup.h"
 #include "server/place_recognition/place_recognizer.h"
 #include "server/runtime/atlas_service.h"
 #include "server/runtime/bell.h"
@@ -15,13 +22,24 @@
 namespace pangaea {
 
 // Looks up each keyframe of the atlas once, whenever it comes, and hands on what it recognises. Its queue is the agenda
-// over the newest published atlas: however many keyframes come at once, ingest never waits for it.
+// over the newest published atlas: however many keyframes come at once, ingest never waits for it. Between two
+// keyframes it answers one lost agent, so that neither waits for long.
 class RecognitionThread {
  public:
-  using Found = std::function<void(PlaceMatch)>;
-  // `service` and `ledger` outlive it. `found` is called on its thread.
+  struct Options {
+    PlaceRecognitionOptions place;
+    LookupOptions lookup;
+    FrameLookupOptions frames;
+  };
+  // Called on its thread.
+  struct Links {
+    std::function<void(PlaceMatch)> found;
+    std::function<void(const RelocalizationAnswer&)> answer;
+    std::function<void(const AtlasEvent&)> report;
+  };
+  // `service` and `ledger` outlive it.
   RecognitionThread(const AtlasService& service, std::shared_ptr<const VocabularyTree> vocabulary,
-                    const PlaceRecognitionOptions& place, const LookupOptions& lookup, Found found, WorkLedger& ledger);
+                    const Options& options, Links links, WorkLedger& ledger);
   ~RecognitionThread() { Stop(); }
 
   void Start();
@@ -30,22 +48,36 @@ class RecognitionThread {
   void Stop();
   // Any thread: there is a new atlas.
   void Notify() { bell_.Ring(); }
+  // Any thread: a lost agent's question. Of one session the newest alone is answered (RelocalizationAgenda); those that
+  // may not be are refused with an event.
+  void Ask(PlaceQuestion question) EXCLUDES(mutex_);
 
  private:
   void Run(const std::stop_token& stop);
   void IndexRecovered(const std::stop_token& stop);
   // False when there is nothing to look up.
   bool LookUpOne();
+  // False when nobody asks.
+  bool AnswerOne() EXCLUDES(mutex_);
+  void Refuse(const PlaceQuestion& question, const Error& error);
+  void Answer(const PlaceQuestion& question, const FrameLookup& lookup, double milliseconds);
+  // The first of a kind in a row: an agent that stays lost asks several times a second.
+  void ReportFirst(AtlasEventKind kind, SessionId session, const std::string& text);
   void TakeIn(const Atlas& atlas);
 
   const AtlasService& service_;
-  const Found found_;
+  const FrameLookupOptions frames_;
+  const PlaceRecognitionOptions place_;
+  const Links links_;
   WorkLedger& ledger_;
   Bell bell_;
+  Mutex mutex_;
+  RelocalizationAgenda questions_ GUARDED_BY(mutex_);
   // Of the thread.
   PlaceRecognizer recognizer_;
   LookupAgenda agenda_;
   std::uint64_t seen_version_ = 0;
+  std::map<SessionId, AtlasEventKind> reported_;  // the latest of each session
   std::jthread thread_;
 };
 

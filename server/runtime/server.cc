@@ -23,18 +23,25 @@ Result<std::unique_ptr<Server>> Server::Start(const ServerOptions& options, std:
   if (!service) return tl::make_unexpected(service.error());
   std::unique_ptr<Server> server(new Server(options, std::move(*service)));
   Server* const raw = server.get();
+  const auto report = [raw](const AtlasEvent& event) {
+    LogEvent(event);
+    raw->link_->Report(event);
+  };
   const DdsLink::Sinks sinks{[raw](IngestInput input) { raw->service_->Submit(std::move(input)); },
                              [raw](MapInterest interest) {
                                if (raw->downlink_ != nullptr) raw->downlink_->Take(std::move(interest));
+                             },
+                             [raw](PlaceQuestion question) {
+                               if (raw->work_ != nullptr) raw->work_->Ask(std::move(question));
+                             },
+                             [raw, report](const Error& error) {
+                               report({raw->options_.site, AtlasEventKind::kRejected,
+                                       "a request to be located: " + error.message, 0, UnixNanoseconds()});
                              }};
   auto link = DdsLink::Open(options.domain, options.site, sinks);
   if (!link) return tl::make_unexpected(link.error());
   server->link_ = std::move(*link);
   server->status_ = std::make_unique<StatusThread>(options.status, [raw] { raw->PublishStatus(); });
-  const auto report = [raw](const AtlasEvent& event) {
-    LogEvent(event);
-    raw->link_->Report(event);
-  };
   if (auto created = server->CreateWork(report); !created) return tl::make_unexpected(created.error());
   server->service_->Start(
       {[raw](const EditAck& ack) { raw->Acknowledge(ack); }, report, [raw] { raw->Changed(); }, std::move(fail)});
@@ -51,7 +58,11 @@ Status Server::CreateWork(const std::function<void(const AtlasEvent&)>& report) 
   const auto progressed = [this] {
     if (downlink_ != nullptr) downlink_->Notify();
   };
-  auto work = AtlasWork::Create(*service_, options_.work, {report, progressed});
+  const auto answer = [this](const RelocalizationAnswer& found) {
+    link_->Answer(found);
+    if (found.found && downlink_ != nullptr) downlink_->Show(found.session, found.reference);
+  };
+  auto work = AtlasWork::Create(*service_, options_.work, {report, progressed, answer});
   if (!work) return tl::make_unexpected(work.error());
   work_ = std::move(*work);
   const DownlinkThread::Links links{

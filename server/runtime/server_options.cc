@@ -91,6 +91,7 @@ Status LoadServerOptions(const std::filesystem::path& file, ServerOptions& optio
   ReadWork(*reader, options.work);
   reader->Read("downlink.guests", &options.guests.wanted, Range{0, 1000});
   reader->Read("downlink.new_guests", &options.guests.new_at_once, Range{1, 100});
+  reader->Read("downlink.found_guests", &options.guests.found_at_once, Range{1, 100});
   ReadMilliseconds(*reader, "status.longest_interval_ms", &options.status.longest_interval);
   ReadMilliseconds(*reader, "status.shortest_interval_ms", &options.status.shortest_interval);
   return reader->Finish();

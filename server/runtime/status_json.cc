@@ -126,6 +126,7 @@ void AddWork(const ServerFacts::Work& work, std::uint64_t version, json& status)
                      {"refused", report.refused},
                      {"last", WeldsJson(report.welds)},
                      {"last_refused", WeldsJson(report.refusals)}};
+  status["relocalization"] = {{"found", report.relocalized}, {"not_found", report.not_relocalized}};
   status["optimization"] = {{"running", report.optimizing.has_value()},
                             {"cancelled", report.cancelled_optimizations},
                             {"culled", report.culled}};
@@ -134,6 +135,7 @@ void AddWork(const ServerFacts::Work& work, std::uint64_t version, json& status)
   status["queues"]["welding"] = {{"size", report.matches_waiting}};
   status["queues"]["optimization"] = {{"size", report.optimizations_waiting}};
   status["timings"]["recognition"] = TimingJson(report.recognition_ms);
+  status["timings"]["relocalization"] = TimingJson(report.relocalization_ms);
   status["timings"]["merge"] = TimingJson(report.merge_ms);
   status["timings"]["loop"] = TimingJson(report.loop_ms);
   status["timings"]["pose_graph"] = TimingJson(report.pose_graph_ms);

@@ -7,6 +7,7 @@ namespace pangaea {
 Status WorkOptions::Check() const {
   if (auto status = lookup.Check(); !status) return status;
   if (auto status = place.Check(); !status) return status;
+  if (auto status = frames.Check(); !status) return status;
   if (auto status = agenda.Check(); !status) return status;
   if (auto status = fusion.Check(); !status) return status;
   if (auto status = pose_graph.Check(); !status) return status;
@@ -24,6 +25,8 @@ void ReadWork(ConfigReader& reader, WorkOptions& options) {
   reader.Read("recognition.places", &options.place.candidates.places, Range{1, 100});
   reader.Read("recognition.min_inliers", &options.place.geometry.min_inliers, Range{10, 1000});
   reader.Read("recognition.agreeing_keyframes", &options.place.agreement.keyframes, Range{1, 10});
+  reader.Read("relocalization.candidates", &options.frames.query.candidates, Range{1, 100});
+  reader.Read("relocalization.min_inliers", &options.frames.min_inliers, Range{6, 1000});
   reader.Read("fusion.queue_matches", &options.agenda.capacity, Range{1, 10'000});
   reader.Read("fusion.window_keyframes", &options.fusion.window.keyframes, Range{2, 200});
   reader.Read("fusion.min_common_landmarks", &options.fusion.judgement.min_common_landmarks, Range{10, 1000});

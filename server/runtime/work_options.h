@@ -11,6 +11,7 @@
 #include "server/fusion/fusion_options.h"
 #include "server/fusion/redundancy.h"
 #include "server/optimization/pose_graph.h"
+#include "server/place_recognition/frame_lookup.h"
 #include "server/place_recognition/place_recognition_options.h"
 
 namespace pangaea {
@@ -22,6 +23,7 @@ struct WorkOptions {
   std::filesystem::path vocabulary;  // empty: the shipped one, which is built in
   LookupOptions lookup{};
   PlaceRecognitionOptions place{};
+  FrameLookupOptions frames{};
   WeldingAgendaOptions agenda{};
   FusionOptions fusion{};
   PoseGraphOptions pose_graph{};

@@ -81,13 +81,21 @@ TEST(LookupAgenda, WhatIsGoneIsToldAndNotLookedUp) {
   EXPECT_TRUE(agenda.Update(world.atlas).empty());
 }
 
-TEST(LookupAgenda, WhatCouldNotBeLookedUpYetComesLast) {
+TEST(LookupAgenda, OneThatShowsTooFewLandmarksIsLookedUpAgainWhenMoreOfThemHaveCome) {
   SmallWorld world;
   LookupAgenda agenda({.recent = 1});
   Grow(world, kAnna, 1, 3);
   agenda.Update(world.atlas);
-  agenda.Defer(*agenda.Next());
-  EXPECT_EQ(Rest(agenda), (Ids{K(2), K(1), K(3)}));
+  agenda.Defer(world.atlas, *agenda.Next());
+  EXPECT_EQ(Rest(agenda), (Ids{K(2), K(1)}));
+  Grow(world, kAnna, 4, 4);
+  agenda.Update(world.atlas);
+  EXPECT_EQ(Rest(agenda), Ids{K(4)}) << "nothing of it is new";
+  world.Add(L(1), K(3), 1);
+  agenda.Update(world.atlas);
+  EXPECT_EQ(Rest(agenda), Ids{K(3)});
+  agenda.Update(world.atlas);
+  EXPECT_TRUE(Rest(agenda).empty());
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 
 #include "tests/map/small_world.h"
 
@@ -28,6 +29,9 @@ void Merge(SmallWorld& world, std::uint64_t position) {
 SessionView View(const SmallWorld& world, std::uint64_t position, std::uint64_t correction) {
   return {world.atlas, position, correction, 7};
 }
+
+// The version of the first correction that is cut at this position of the journal.
+std::uint64_t First(std::uint64_t position) { return 1024 * position; }
 
 MapInterest Interest(SessionId session, std::uint64_t applied, std::vector<KeyframeId> guests = {}) {
   return {session, applied, M(1, session), K(1, session), std::move(guests)};
@@ -55,7 +59,7 @@ TEST(SessionDownlink, AfterAMergeTheAgentIsToldWhatBecameOfItsMapAndWhoItsGuests
   Merge(world, 10);
   const auto correction = downlink.Next(View(world, 11, 10));
   ASSERT_TRUE(correction);
-  EXPECT_EQ(correction->version, 11u);
+  EXPECT_EQ(correction->version, First(11));
   EXPECT_EQ(correction->acknowledged, 7u);
   ASSERT_EQ(correction->pieces.size(), 1u);
   const MapPiece& piece = correction->pieces[0];
@@ -76,13 +80,13 @@ TEST(SessionDownlink, WhatComesUpWhileACorrectionIsUnderWayGoesIntoTheNextOne) {
   ASSERT_TRUE(downlink.Next(View(world, 10, 10)));
   world.Do(MoveKeyframes{{{K(2, kBert), MakePose(0.1, 1, 0, 0)}}, 12});
   EXPECT_FALSE(downlink.Next(View(world, 12, 12))) << "the last one was not applied yet";
-  downlink.Take(Interest(kBert, 10));
+  downlink.Take(Interest(kBert, First(10)));
   const auto second = downlink.Next(View(world, 12, 12));
   ASSERT_TRUE(second);
-  EXPECT_EQ(second->version, 12u);
+  EXPECT_EQ(second->version, First(12));
   ASSERT_EQ(second->pieces.size(), 1u);
   EXPECT_TRUE(second->pieces[0].fused.empty()) << "it knows";
-  downlink.Take(Interest(kBert, 12));
+  downlink.Take(Interest(kBert, First(12)));
   EXPECT_FALSE(downlink.Next(View(world, 13, 12))) << "nothing concerns it any more";
 }
 
@@ -105,7 +109,7 @@ TEST(SessionDownlink, LandmarksThatFollowTheirReferenceAreNotSaid) {
   downlink.Take(Interest(kAnna, 0));
   world.Do(MoveKeyframes{{{K(2), MakePose(0.1, 1, 0, 0)}}, 10});
   ASSERT_TRUE(downlink.Next(View(world, 10, 10)));
-  downlink.Take(Interest(kAnna, 10));
+  downlink.Take(Interest(kAnna, First(10)));
   // Landmark 1 is measured from keyframe 1 and moves on its own; landmark 3 goes with keyframe 3.
   const Landmark third = world.Get(L(3));
   world.Do(MoveKeyframes{{{K(3), MakePose(0.1, 2, 0, 0)}}, 12});
@@ -149,7 +153,7 @@ TEST(SessionDownlink, NewGuestsComeAFewAtATimeAndThoseItHoldsWithoutTheirFeature
     if (id.session == kAnna) guests.push_back(id);
   }
   ASSERT_EQ(guests.size(), 1u);
-  downlink.Take(Interest(kBert, 10, guests));
+  downlink.Take(Interest(kBert, First(10), guests));
   const auto second = downlink.Next(View(world, 11, 10));
   ASSERT_TRUE(second) << "there are more around its camera";
   for (const PieceKeyframe& keyframe : second->pieces.at(0).keyframes) {
@@ -158,11 +162,68 @@ TEST(SessionDownlink, NewGuestsComeAFewAtATimeAndThoseItHoldsWithoutTheirFeature
   }
 }
 
+TEST(SessionDownlink, GuestsGoOnComingWhileNothingIsJournaled) {
+  SmallWorld world = TwoSessions();
+  Merge(world, 10);
+  SessionDownlink downlink(kBert, {.new_at_once = 1});
+  downlink.Take(Interest(kBert, 0));
+  std::set<KeyframeId> guests;
+  for (int i = 0; i < 3; ++i) {
+    const auto correction = downlink.Next(View(world, 10, 10));
+    ASSERT_TRUE(correction);
+    EXPECT_EQ(correction->version, First(10) + static_cast<std::uint64_t>(i));
+    for (const KeyframeId id : Ids(correction->pieces.at(0))) {
+      if (id.session == kAnna) guests.insert(id);
+    }
+    downlink.Take(Interest(kBert, correction->version, {guests.begin(), guests.end()}));
+  }
+  EXPECT_EQ(guests.size(), 3u);
+  EXPECT_FALSE(downlink.Next(View(world, 10, 10))) << "it holds all of them";
+}
+
+TEST(SessionDownlink, AGuestThatTheAgentDoesNotKeepIsNotSentAgainUntilItsCameraMoves) {
+  SmallWorld world = TwoSessions();
+  Merge(world, 10);
+  SessionDownlink downlink(kBert, {.wanted = 1});
+  downlink.Take(Interest(kBert, 0));
+  const auto first = downlink.Next(View(world, 10, 10));
+  ASSERT_TRUE(first);
+  downlink.Take(Interest(kBert, first->version));
+  EXPECT_FALSE(downlink.Next(View(world, 10, 10)));
+  MapInterest elsewhere = Interest(kBert, first->version);
+  elsewhere.reference = K(2, kBert);
+  downlink.Take(elsewhere);
+  EXPECT_TRUE(downlink.Next(View(world, 10, 10)));
+}
+
+TEST(SessionDownlink, TheFoundPlaceOfALostAgentIsToldAlthoughItIsOfAMapThatTheAgentHasNoPartIn) {
+  const SmallWorld world = TwoSessions();
+  SessionDownlink downlink(kBert, {});
+  downlink.Take(Interest(kBert, 0));
+  EXPECT_FALSE(downlink.Next(View(world, 10, 0)));
+  downlink.Show(K(2));
+  const auto correction = downlink.Next(View(world, 10, 0));
+  ASSERT_TRUE(correction);
+  const auto piece = std::ranges::find(correction->pieces, M(1), &MapPiece::map);
+  ASSERT_NE(piece, correction->pieces.end());
+  EXPECT_EQ(Ids(*piece), (std::vector{K(1), K(2), K(3)}));
+  for (const PieceKeyframe& keyframe : piece->keyframes) EXPECT_NE(keyframe.data, nullptr);
+  EXPECT_FALSE(piece->landmarks.empty());
+}
+
+TEST(SessionDownlink, OfAPlaceThatTheAgentHoldsNothingIsSaidAgain) {
+  const SmallWorld world = TwoSessions();
+  SessionDownlink downlink(kBert, {});
+  downlink.Take(Interest(kBert, 0, {K(1), K(2), K(3)}));
+  downlink.Show(K(2));
+  EXPECT_FALSE(downlink.Next(View(world, 10, 0)));
+}
+
 TEST(SessionDownlink, AfterARestartOfTheServerTheAgentIsToldWhatIsNewerThanWhatItApplied) {
   SmallWorld world = TwoSessions();
   Merge(world, 10);
   SessionDownlink downlink(kBert, {.wanted = 0});
-  downlink.Take(Interest(kBert, 10));
+  downlink.Take(Interest(kBert, First(10)));
   EXPECT_FALSE(downlink.Next(View(world, 11, 10))) << "it applied all there is";
   world.Do(MoveKeyframes{{{K(2, kBert), MakePose(0.1, 1, 0, 0)}}, 12});
   const auto correction = downlink.Next(View(world, 12, 12));

@@ -77,7 +77,7 @@ TEST(IdlConversions, CorrectionsAndInterestsAndRelocalizationsComeBackAsTheyWere
   EXPECT_TRUE(received->found);
   EXPECT_EQ(received->reference, answer.reference);
   EXPECT_EQ(received->camera_from_reference.translation(), answer.camera_from_reference.translation());
-  EXPECT_EQ(received->correction_version, 8U);
+  EXPECT_EQ(received->inliers, 8U);
 }
 
 TEST(IdlConversions, ImpossibleCorrectionsAndRequestsAreRefused) {

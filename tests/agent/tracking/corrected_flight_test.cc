@@ -117,5 +117,80 @@ TEST(CorrectedFlight, ALostCameraGoesOnInAMapOfAnotherSessionThatTheServerSends)
   EXPECT_THAT(CheckConsistency(flight.atlas()), IsEmpty());
 }
 
+// A camera that was lost at one wall and sees the other one now, which another session has mapped.
+class FoundFlight : public ::testing::Test {
+ protected:
+  FoundFlight() : mapped(OneWall(), {}, kOther, 5), flight(TwoWalls(), OnlyByHint(), kOwn) {
+    mapped.FlyAlong(0.0, 4.0, kStep);
+    flight.FlyAlong(22.0, 23.0, kStep);
+    for (int i = 0; i < 10; ++i) flight.FlyInTheDark();
+  }
+
+  static std::vector<Surface> TwoWalls() {
+    return {MakeWall(-4.0, 8.0, 3.0, 3.0, 1), MakeWall(20.0, 30.0, 3.0, 3.0, 2)};
+  }
+  // Without words of its own.
+  static TrackingOptions OnlyByHint() {
+    TrackingOptions options;
+    options.recognition.learned_per_snapshot = 0;
+    return options;
+  }
+  // The frame that a camera takes from there, by the other session's nearest keyframe.
+  PlaceHint HintAt(double x) const {
+    const Rigid3d camera_from_map(Eigen::Quaterniond::Identity(), {-x, 0.0, 0.0});
+    PlaceHint hint;
+    double nearest = 1e9;
+    mapped.atlas().ForEachKeyframe([&](const Keyframe& keyframe) {
+      const Rigid3d camera_from_keyframe = camera_from_map * keyframe.camera_from_map.Inverse();
+      if (camera_from_keyframe.translation().norm() >= nearest) return;
+      nearest = camera_from_keyframe.translation().norm();
+      hint = {keyframe.id, camera_from_keyframe};
+    });
+    return hint;
+  }
+  void ReceiveThePlace() { flight.Absorb({kOwn, 1, 1, 0, {Whole(mapped.atlas(), {kOther, 1}, Rigid3d(), true)}}); }
+
+  RenderedFlight mapped;
+  RenderedFlight flight;
+};
+
+TEST_F(FoundFlight, WhileThePlaceIsOnItsWayNoMapBeginsAndThenTheNextFrameIsFound) {
+  EXPECT_EQ(Tracked(flight.FlyAlong(1.0, 1.18, kStep)), 0U);
+  flight.Suggest(HintAt(1.0));
+  EXPECT_EQ(Tracked(flight.FlyAlong(1.18, 1.9, kStep)), 0U);
+  EXPECT_EQ(flight.atlas().Maps().size(), 1U);
+  ReceiveThePlace();
+  // The camera is a metre away from where it was found.
+  const auto results = flight.FlyAlong(1.9, 3.0, kStep);
+  EXPECT_EQ(Tracked(results), results.size());
+  EXPECT_EQ(results.front().map, (MapId{kOther, 1}));
+  EXPECT_TRUE(results.front().keyframe);
+  EXPECT_THAT(CheckConsistency(flight.atlas()), IsEmpty());
+}
+
+TEST_F(FoundFlight, AHintIsNotWaitedForForEver) {
+  flight.FlyAlong(1.0, 1.12, kStep);
+  flight.Suggest(HintAt(1.0));
+  const TrackingOptions options;
+  const auto results = flight.FlyAlong(1.12, 3.52, kStep);
+  EXPECT_EQ(flight.atlas().Maps().size(), 2U);
+  const auto most = static_cast<std::size_t>(options.frames_until_new_map + options.frames_for_hint);
+  EXPECT_GE(Tracked(results) + most, results.size());
+}
+
+TEST_F(FoundFlight, FramesAreTheSessionsOwnAlsoWhileItsFirstKeyframeThereIsOnItsWayIntoTheMap) {
+  flight.LetMappingLag(4);
+  flight.Fly(testing::LookingAtTheWalls(1.0));
+  flight.Suggest(HintAt(1.0));
+  ReceiveThePlace();
+  const auto results = flight.FlyAlong(1.06, 3.0, kStep);
+  EXPECT_EQ(Tracked(results), results.size());
+  for (const TrackingResult& result : results) EXPECT_EQ(result.reference.session, kOwn);
+  const auto trajectories = flight.Trajectories();
+  EXPECT_EQ(trajectories.at({kOther, 1}).size(), results.size());
+  EXPECT_LT(flight.PositionError(), 0.02);
+  EXPECT_THAT(CheckConsistency(flight.atlas()), IsEmpty());
+}
+
 }  // namespace
 }  // namespace pangaea

@@ -89,7 +89,10 @@ TrackingResult RenderedFlight::Track(const cv::Mat& left, const RightImage& righ
   TrackingResult result = tracker_.Track(stamp_ns_, left, right, snapshot_, stages);
   if (result.keyframe) mapper_.Insert(*result.keyframe, stages);
   if (result.tracked) mapper_.AddFrames(std::vector{TrackedFrame{result.reference, result.pose}});
-  if (result.keyframe) snapshot_ = std::make_shared<const Atlas>(mapper_.atlas());
+  if (result.keyframe) unseen_ = lag_;
+  if (result.keyframe || unseen_ > 0) {
+    if (unseen_-- <= 0) snapshot_ = std::make_shared<const Atlas>(mapper_.atlas());
+  }
   stamp_ns_ += kFramePeriod;
   return result;
 }

@@ -35,6 +35,9 @@ class RenderedFlight {
   // Frames from `from` to `to` (x, metres) with `step` metres between them; their results.
   std::vector<TrackingResult> FlyAlong(double from, double to, double step);
 
+  // Tracking sees what mapping does so many frames late, as where mapping has a thread of its own.
+  void LetMappingLag(int frames) { lag_ = frames; }
+  void Suggest(const PlaceHint& hint) { tracker_.Suggest(hint); }
   // What a server says that had been told everything.
   void Absorb(const AgentCorrection& correction);
 
@@ -57,6 +60,8 @@ class RenderedFlight {
   Tracker tracker_;
   LocalMapper mapper_;
   std::shared_ptr<const Atlas> snapshot_;
+  int lag_ = 0;
+  int unseen_ = 0;  // frames until the snapshot is renewed
   std::int64_t stamp_ns_ = 0;
   std::uint64_t pictures_ = 0;
   std::vector<StampedPose> truth_;

@@ -1,4 +1,4 @@
-#include "agent/tracking/relocalization.h"
+#include "common/mapping/relocalization.h"
 
 #include <algorithm>
 #include <vector>
