@@ -18,20 +18,25 @@ std::uint64_t PositionOf(std::uint64_t version) { return version / kMostAtOnePos
 }  // namespace
 
 void SessionDownlink::Take(const MapInterest& interest) {
-  if (interest_ && interest_->reference != interest.reference) {
-    place_ = {};
-    not_wanted_.clear();
-  }
+  const bool moved = interest_ && interest_->reference != interest.reference;
   interest_ = interest;
-  if (!sent_ || interest.applied_version < sent_->version) return;
+  if (sent_ && interest.applied_version >= sent_->version) Confirm();
+  if (!moved) return;
+  not_wanted_.clear();
+  if (place_told_) place_ = {};
+}
+
+void SessionDownlink::Confirm() {
   confirmed_ = std::exchange(sent_, std::nullopt);
+  place_told_ = place_told_ || confirmed_->place == place_;
   for (const KeyframeId id : confirmed_->new_guests) {
-    if (!std::ranges::binary_search(interest.guests, id)) not_wanted_.insert(id);
+    if (!std::ranges::binary_search(interest_->guests, id)) not_wanted_.insert(id);
   }
 }
 
 void SessionDownlink::Show(KeyframeId place) {
   place_ = place;
+  place_told_ = false;
   not_wanted_.clear();
 }
 
@@ -48,6 +53,7 @@ std::optional<AgentCorrection> SessionDownlink::Next(const SessionView& view) {
   const auto version = NextVersion(view.position);
   if (!version) return std::nullopt;
   const std::vector<KeyframeId> new_guests = NewGuests(view.atlas);
+  place_told_ = place_told_ || new_guests.empty();  // it holds what is there
   if (new_guests.empty() && !IsConcerned(view)) return std::nullopt;
   AgentCorrection correction;
   correction.session = session_;
@@ -57,7 +63,7 @@ std::optional<AgentCorrection> SessionDownlink::Next(const SessionView& view) {
     MapPiece piece = PieceOf(map, view, new_guests);
     if (!piece.empty()) correction.pieces.push_back(std::move(piece));
   }
-  sent_ = Told{view.atlas, *version, view.position, view.correction, new_guests};
+  sent_ = Told{view.atlas, *version, view.position, view.correction, new_guests, place_};
   sent_version_ = *version;
   return correction;
 }

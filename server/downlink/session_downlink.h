@@ -31,7 +31,7 @@ class SessionDownlink {
   // An agent that says nothing gets nothing.
   void Take(const MapInterest& interest);
   // The agent was lost, and its camera was found to be near to that keyframe, whatever its interest says: the next
-  // correction tells of the place. Until its interest names another keyframe than now.
+  // correction tells of the place. Until it was told and the agent's interest names another keyframe than before.
   void Show(KeyframeId place);
   // The correction to send now, without the server's incarnation. Nothing while the last one was not applied, and where
   // the agent knows all that concerns it.
@@ -53,7 +53,9 @@ class SessionDownlink {
     std::uint64_t position = 0;
     std::uint64_t correction = 0;
     std::vector<KeyframeId> new_guests = {};
+    KeyframeId place = {};
   };
+  void Confirm();
   std::optional<std::uint64_t> NextVersion(std::uint64_t position) const;
   std::vector<MapId> ConcernedMaps(const Atlas& atlas) const;
   std::vector<KeyframeId> NewGuests(const Atlas& atlas) const;
@@ -63,7 +65,8 @@ class SessionDownlink {
   SessionId session_;
   GuestOptions options_;
   std::optional<MapInterest> interest_;
-  KeyframeId place_;                 // where the agent was found
+  KeyframeId place_;  // where the agent was found
+  bool place_told_ = true;
   std::set<KeyframeId> not_wanted_;  // guests that it was given here and did not keep
   std::optional<Told> sent_;         // and not yet applied
   std::optional<Told> confirmed_;    // the newest applied

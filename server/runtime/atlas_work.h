@@ -20,9 +20,10 @@ namespace pangaea {
 class AtlasWork {
  public:
   struct Output {
-    std::function<void(const AtlasEvent&)> report;            // of what was refused; any thread
-    std::function<void()> progressed;                         // report() is another; any thread
-    std::function<void(const RelocalizationAnswer&)> answer;  // to a lost agent; on the recognition thread
+    std::function<void(const AtlasEvent&)> report;  // of what was refused; any thread
+    std::function<void()> progressed;               // report() is another; any thread
+    // To a lost agent; on the recognition thread.
+    std::function<void(const RelocalizationAnswer&)> answer = [](const RelocalizationAnswer&) {};
   };
   // `service` outlives it. Errors: the vocabulary cannot be read.
   static Result<std::unique_ptr<AtlasWork>> Create(AtlasService& service, const WorkOptions& options, Output output);

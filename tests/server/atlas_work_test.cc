@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "common/base/bounded_queue.h"
 #include "common/map/consistency.h"
 #include "common/map/spanning_tree.h"
 #include "server/storage/undo.h"
@@ -55,8 +56,9 @@ class WorkingServer {
  public:
   explicit WorkingServer(const std::filesystem::path& store, const WorkOptions& options = {})
       : harness_(store, {}, [this] { Changed(); }) {
-    auto created =
-        AtlasWork::Create(service(), options, {[this](const AtlasEvent& event) { harness_.OnEvent(event); }, [] {}});
+    auto created = AtlasWork::Create(service(), options,
+                                     {[this](const AtlasEvent& event) { harness_.OnEvent(event); }, [] {},
+                                      [this](const RelocalizationAnswer& answer) { (void)answers_.Push(answer); }});
     EXPECT_TRUE(created) << created.error().message;
     work_ = std::move(*created);
     work_->Start();
@@ -68,6 +70,13 @@ class WorkingServer {
   AtlasService& service() { return *harness_.service; }
   ServiceHarness& harness() { return harness_; }
   AtlasWork& work() { return *work_; }
+  // A frame that one of the keyframes shows, without its depth, asked about by `sender`.
+  void Ask(SessionId session, std::uint64_t request, KeyframeId shown, const Sender& sender) {
+    auto frame = std::make_shared<KeyframeData>(*Map().FindKeyframe(shown)->data);
+    for (Keypoint& keypoint : frame->features.keypoints) keypoint.u_right = -1.0F;
+    work_->Ask({{session, request, std::move(frame)}, sender});
+  }
+  RelocalizationAnswer NextAnswer() { return answers_.Pop().value(); }
   const Atlas Map() { return service().State()->ingest.atlas; }
 
  private:
@@ -76,6 +85,7 @@ class WorkingServer {
   }
 
   std::atomic<bool> started_ = false;
+  BoundedQueue<RelocalizationAnswer> answers_{10};
   std::unique_ptr<AtlasWork> work_;
   ServiceHarness harness_;
 };
@@ -102,6 +112,37 @@ TEST(AtlasWork, TwoMapsOfOnePlaceBecomeOneAndWhatIsShownIsDurable) {
   EXPECT_EQ(report.merges, 1u);
   EXPECT_EQ(report.welds.front().sessions.size(), 2u);
   EXPECT_FALSE(report.welds.front().text.empty());
+}
+
+TEST(AtlasWork, ALostAgentIsToldWhereInTheAtlasItsFrameWasTakenAndAForeignQuestionIsRefused) {
+  constexpr SessionId kLost = 77;
+  constexpr Sender kAgent{5, 500};
+  const TemporaryStore place;
+  WorkingServer server(place.path());
+  Fill(server.service());
+  server.harness().WaitForEvent(AtlasEventKind::kMerge);
+  KeyframeId shown;
+  server.Map().ForEachKeyframe(kOlder, [&](const Keyframe& keyframe) { shown = keyframe.id; });
+  SessionAnnouncement announcement;
+  announcement.session = kLost;
+  announcement.name = "lost";
+  announcement.site = "hall";
+  announcement.ideal_camera = server.Map().FindKeyframe(shown)->data->camera;
+  server.service().Submit(SessionAnnounced{announcement, kAgent});
+  server.harness().WaitForEvent(AtlasEventKind::kSessionJoined);
+
+  server.Ask(kLost, 3, shown, {6, 600});
+  server.harness().WaitForEvent(AtlasEventKind::kRejected);
+  server.Ask(kLost, 3, shown, kAgent);
+  server.harness().WaitForEvent(AtlasEventKind::kRelocalized);
+  const RelocalizationAnswer answer = server.NextAnswer();
+  EXPECT_EQ(answer.request, 3u);
+  ASSERT_TRUE(answer.found);
+  const Atlas atlas = server.Map();
+  const Rigid3d camera_from_map =
+      answer.camera_from_reference * atlas.FindKeyframe(atlas.Resolve(answer.reference))->camera_from_map;
+  const Rigid3d& expected = atlas.FindKeyframe(shown)->camera_from_map;
+  EXPECT_LT((camera_from_map.Inverse().translation() - expected.Inverse().translation()).norm(), 0.05);
 }
 
 TEST(AtlasWork, AMergeThatWasUndoneIsNotMadeAgain) {

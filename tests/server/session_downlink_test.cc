@@ -211,6 +211,24 @@ TEST(SessionDownlink, TheFoundPlaceOfALostAgentIsToldAlthoughItIsOfAMapThatTheAg
   EXPECT_FALSE(piece->landmarks.empty());
 }
 
+TEST(SessionDownlink, ThePlaceIsToldAlsoWhenTheAgentsInterestChangesBefore) {
+  SmallWorld world = TwoSessions();
+  SessionDownlink downlink(kBert, {});
+  downlink.Take(Interest(kBert, 0));
+  downlink.Show(K(2));
+  MapInterest elsewhere = Interest(kBert, 0);
+  elsewhere.reference = K(2, kBert);
+  downlink.Take(elsewhere);
+  const auto correction = downlink.Next(View(world, 10, 0));
+  ASSERT_TRUE(correction);
+  // Afterwards the agent says itself where it is.
+  MapInterest there = Interest(kBert, correction->version, {K(1), K(2), K(3)});
+  there.reference = K(2);
+  downlink.Take(there);
+  world.Child(K(3, kBert), K(2, kBert), M(1, kBert));
+  EXPECT_FALSE(downlink.Next(View(world, 11, 0)));
+}
+
 TEST(SessionDownlink, OfAPlaceThatTheAgentHoldsNothingIsSaidAgain) {
   const SmallWorld world = TwoSessions();
   SessionDownlink downlink(kBert, {});
