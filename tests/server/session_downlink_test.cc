@@ -130,7 +130,7 @@ TEST(SessionDownlink, ALandmarkThatNoneOfItsKeyframesObservesAnyMoreIsSaidThough
   downlink.Take(Interest(kBert, 0));
   Merge(world, 10);
   ASSERT_TRUE(downlink.Next(View(world, 10, 10)));
-  downlink.Take(Interest(kBert, 10));
+  downlink.Take(Interest(kBert, First(10)));
   world.Do(RemoveObservation{L(1), K(1, kBert)});
   world.Do(RemoveObservation{L(1), K(2, kBert)});
   const auto correction = downlink.Next(View(world, 11, 11));
