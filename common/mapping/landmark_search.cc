@@ -91,7 +91,8 @@ std::vector<LandmarkSighting> FindLandmarks(const Atlas& atlas, const Keyframe& 
   }
 
   const FeatureGrid grid(features.keypoints);
-  const MatchOptions match_options{.max_distance = options.max_distance, .max_ratio = options.max_ratio};
+  const MatchOptions match_options{
+      .max_distance = options.max_distance, .max_ratio = options.max_ratio, .unique = options.one_per_keypoint};
   std::vector<LandmarkSighting> sightings;
   for (const Match& match : MatchByProjection(projections, grid, features.descriptors, match_options)) {
     sightings.push_back(queries[match.query]);

@@ -28,6 +28,9 @@ struct LandmarkSearchOptions {
   double max_view_angle = 60.0;
   // The keypoint's octave may differ by so much from the one that the distance predicts.
   int octave_tolerance = 1;
+  // Each keypoint shows at most one of the landmarks: the one that looks most like it. Otherwise all that look like it,
+  // which are then one.
+  bool one_per_keypoint = true;
 };
 
 // A landmark that seems to be seen at a keypoint.
@@ -38,7 +41,7 @@ struct LandmarkSighting {
 };
 
 // Looks for the landmarks (`wanted`, each once) among the keypoints of `keyframe`, by projection and descriptor. Each
-// landmark and each keypoint occurs once. Landmarks that are gone, or that the keyframe observes already, are passed
+// landmark occurs once, and as the options say each keypoint. Landmarks that are gone, or that the keyframe observes already, are passed
 // over.
 std::vector<LandmarkSighting> FindLandmarks(const Atlas& atlas, const Keyframe& keyframe,
                                             const std::vector<LandmarkId>& wanted,

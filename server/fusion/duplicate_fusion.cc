@@ -16,13 +16,15 @@ void DuplicateFusion::FusePairs(const std::vector<std::pair<LandmarkId, Landmark
 }
 
 void DuplicateFusion::SearchIn(KeyframeId id, const std::vector<LandmarkId>& wanted) {
-  const Keyframe keyframe = *atlas_.FindKeyframe(id);
-  for (const LandmarkSighting& sighting : FindLandmarks(atlas_, keyframe, wanted, options_)) {
-    const LandmarkId present = keyframe.landmarks[sighting.keypoint];
+  const std::vector<LandmarkSighting> sightings = FindLandmarks(atlas_, *atlas_.FindKeyframe(id), wanted, options_);
+  for (const LandmarkSighting& sighting : sightings) {
+    const LandmarkId found = atlas_.Resolve(sighting.landmark);
+    // As it is by now: an earlier sighting may have given the keypoint a landmark.
+    const LandmarkId present = atlas_.FindKeyframe(id)->landmarks[sighting.keypoint];
     if (present.valid()) {
-      FuseIfOnePoint(atlas_.Resolve(sighting.landmark), atlas_.Resolve(present));
-    } else {
-      draft_.Change(AddObservation{atlas_.Resolve(sighting.landmark), id, sighting.keypoint});
+      FuseIfOnePoint(found, present);
+    } else if (found.valid()) {
+      ObserveIfOnePoint(found, {id, sighting.keypoint});
     }
   }
 }
@@ -40,6 +42,16 @@ void DuplicateFusion::FuseIfOnePoint(LandmarkId a, LandmarkId b) {
   draft_.Move({}, {{fusion.kept, *point}});
 }
 
+void DuplicateFusion::ObserveIfOnePoint(LandmarkId id, const Observation& observation) {
+  const Landmark& landmark = *atlas_.FindLandmark(id);
+  std::vector<PointView> views;
+  AddViews(landmark, views);
+  views.push_back(ViewOf(observation));
+  if (RefineWithinGate(views, landmark.point_in_map)) {
+    draft_.Change(AddObservation{id, observation.keyframe, observation.keypoint});
+  }
+}
+
 // Asking instead that the position of each explains the other would keep apart what the one side saw from near and the
 // other, without knowing its depth, from far away.
 std::optional<Eigen::Vector3d> DuplicateFusion::CommonPoint(const Landmark& kept, const Landmark& absorbed) const {
@@ -47,20 +59,28 @@ std::optional<Eigen::Vector3d> DuplicateFusion::CommonPoint(const Landmark& kept
   std::vector<PointView> views;
   AddViews(kept, views);
   AddViews(absorbed, views);
-  const auto refined = RefinePoint(views, kept.point_in_map);
+  return RefineWithinGate(views, kept.point_in_map);
+}
+
+std::optional<Eigen::Vector3d> DuplicateFusion::RefineWithinGate(const std::vector<PointView>& views,
+                                                                 const Eigen::Vector3d& initial) const {
+  const auto refined = RefinePoint(views, initial);
   if (!refined || refined->worst_chi2 > options_.fusion_gate * options_.fusion_gate) return std::nullopt;
   return refined->point_in_map;
 }
 
+PointView DuplicateFusion::ViewOf(const Observation& observation) const {
+  const Keyframe& keyframe = *atlas_.FindKeyframe(observation.keyframe);
+  const Keypoint& keypoint = keyframe.data->features.keypoints[observation.keypoint];
+  return {.camera = keyframe.data->camera,
+          .camera_from_map = keyframe.camera_from_map,
+          .measurement = MeasurementOf(keypoint),
+          .inverse_sigma = 1.0 / OctaveSigma(keypoint.octave)};
+}
+
 void DuplicateFusion::AddViews(const Landmark& landmark, std::vector<PointView>& views) const {
   for (const Observation& observation : landmark.observations) {
-    if (!trusted_.empty() && !trusted_.contains(observation.keyframe)) continue;
-    const Keyframe& keyframe = *atlas_.FindKeyframe(observation.keyframe);
-    const Keypoint& keypoint = keyframe.data->features.keypoints[observation.keypoint];
-    views.push_back({.camera = keyframe.data->camera,
-                     .camera_from_map = keyframe.camera_from_map,
-                     .measurement = MeasurementOf(keypoint),
-                     .inverse_sigma = 1.0 / OctaveSigma(keypoint.octave)});
+    if (trusted_.empty() || trusted_.contains(observation.keyframe)) views.push_back(ViewOf(observation));
   }
 }
 

@@ -29,7 +29,12 @@ class DuplicateFusion {
 
  private:
   void FuseIfOnePoint(LandmarkId a, LandmarkId b);
+  void ObserveIfOnePoint(LandmarkId id, const Observation& observation);
   std::optional<Eigen::Vector3d> CommonPoint(const Landmark& kept, const Landmark& absorbed) const;
+  // The point that explains all views; none where it does not to the gate.
+  std::optional<Eigen::Vector3d> RefineWithinGate(const std::vector<PointView>& views,
+                                                  const Eigen::Vector3d& initial) const;
+  PointView ViewOf(const Observation& observation) const;
   void AddViews(const Landmark& landmark, std::vector<PointView>& views) const;
 
   const std::unordered_set<KeyframeId> trusted_;

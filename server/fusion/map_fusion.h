@@ -12,14 +12,11 @@
 namespace pangaea {
 
 struct MapFusionOptions {
-  LandmarkSearchOptions search = {.radius = 4.0, .old_radius = 4.0, .fusion_gate = 4.0};
-  // In a keyframe, the landmarks of so many others are looked for: those that look at the same place and share least of
-  // it with the keyframe (count).
-  std::size_t others = 10;
-  // Of what another keyframe sees, this part must be in view and be no common landmark yet.
-  double min_unshared = 0.15;
-  std::size_t samples = 40;      // landmarks tried for that (count)
-  double max_axis_angle = 50.0;  // degrees between the optical axes of the two
+  // The window of the search is what poses may be off far from any seam; descriptors may differ a little more than in
+  // local mapping, for views are farther apart, and geometry decides.
+  LandmarkSearchOptions search = {.radius = 4.0, .old_radius = 4.0, .fusion_gate = 4.0, .one_per_keypoint = false};
+  // Edge of the cubes by which landmarks are found, in median depths of the map.
+  double cube_edge = 0.15;
 
   // Says which option is out of which range.
   Status Check() const;
@@ -33,10 +30,11 @@ struct MapFusion {
   std::size_t added = 0;
 };
 
-// Looks all along a map, in the given keyframes, for landmarks that exist twice because the map was merged or a loop
-// closed elsewhere: a welding window covers only the seam. Expects poses that are right to the search window: after the
-// pose graph, better after a bundle adjustment (and makes the next one tighter). Ids that are not in the map are left
-// out. A stop ends it early: what was found so far is good.
+// Looks all along a map for landmarks that exist twice, because the map was merged or a loop closed elsewhere (a
+// welding window covers only the seam), or because a session did not recognise what it had left for a while: in each of
+// the given keyframes, whatever lies in its view is looked for. Expects poses that are right to the search window:
+// after the pose graph, better after a bundle adjustment (and makes the next one tighter). Ids that are not in the map
+// are left out. A stop ends it early: what was found so far is good.
 MapFusion FuseDuplicates(const Atlas& snapshot, MapId map, const std::vector<KeyframeId>& keyframes,
                          const MapFusionOptions& options, std::stop_token stop);
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "common/map/consistency.h"
+#include "server/fusion/landmark_index.h"
 #include "server/fusion/map_fusion.h"
 #include "tests/server/fusion_world.h"
 
@@ -64,13 +65,27 @@ TEST_P(MapFusionTest, AStopEndsItWithNothingDone) {
   EXPECT_THAT(FuseDuplicates(merged_, {kOlder, 1}, AllKeyframes(world_), {}, stop.get_token()).edits, IsEmpty());
 }
 
+// The index leaves out nothing that a look at every landmark finds.
+TEST_P(MapFusionTest, TheIndexFindsExactlyWhatIsInView) {
+  const LandmarkIndex index(merged_, {kOlder, 1}, 0.4);
+  for (const KeyframeId id : AllKeyframes(world_)) {
+    const Viewpoint viewpoint(*merged_.FindKeyframe(id));
+    std::vector<LandmarkId> in_view;
+    merged_.ForEachLandmark([&](const Landmark& landmark) {
+      const Eigen::Vector3d point = viewpoint.camera_from_map * landmark.point_in_map;
+      if (point.z() > 0.0 && viewpoint.camera.Contains(viewpoint.camera.Project(point))) in_view.push_back(landmark.id);
+    });
+    EXPECT_EQ(index.InView(viewpoint), in_view);
+  }
+}
+
 TEST(MapFusionOptions, ANonsenseValueIsNamed) {
   MapFusionOptions options;
   EXPECT_TRUE(options.Check().has_value());
-  options.min_unshared = -1.0;
+  options.cube_edge = -1.0;
   const Status status = options.Check();
   ASSERT_FALSE(status.has_value());
-  EXPECT_THAT(status.error().message, ::testing::HasSubstr("min_unshared"));
+  EXPECT_THAT(status.error().message, ::testing::HasSubstr("cube_edge"));
 }
 
 }  // namespace

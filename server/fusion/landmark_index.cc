@@ -1,0 +1,73 @@
+#include "server/fusion/landmark_index.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+namespace pangaea {
+namespace {
+
+// The pyramid of what a camera has in view, in its own frame: its four sides, as normals that point inwards.
+class ViewPyramid {
+ public:
+  explicit ViewPyramid(const IdealCamera& camera) {
+    const Eigen::Vector3d low = camera.Unproject({0.0, 0.0});
+    const Eigen::Vector3d high = camera.Unproject({camera.width, camera.height});
+    inward_ = {Eigen::Vector3d(1.0, 0.0, -low.x()), Eigen::Vector3d(-1.0, 0.0, high.x()),
+               Eigen::Vector3d(0.0, 1.0, -low.y()), Eigen::Vector3d(0.0, -1.0, high.y())};
+    for (Eigen::Vector3d& normal : inward_) normal.normalize();
+  }
+
+  // Whether a ball may reach into it.
+  bool Touches(const Eigen::Vector3d& center_in_camera, double radius) const {
+    return center_in_camera.z() > -radius &&
+           std::ranges::all_of(inward_, [&](const auto& normal) { return normal.dot(center_in_camera) > -radius; });
+  }
+
+ private:
+  std::array<Eigen::Vector3d, 4> inward_;
+};
+
+std::array<std::int64_t, 3> CubeOf(const Eigen::Vector3d& point_in_map, double edge) {
+  std::array<std::int64_t, 3> cube{};
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    cube[static_cast<std::size_t>(i)] = static_cast<std::int64_t>(std::floor(point_in_map[i] / edge));
+  }
+  return cube;
+}
+
+}  // namespace
+
+LandmarkIndex::LandmarkIndex(const Atlas& atlas, MapId map, double edge) : reach_(edge * std::sqrt(0.75)) {
+  std::map<std::array<std::int64_t, 3>, std::size_t> places;
+  atlas.ForEachLandmark([&](const Landmark& landmark) {
+    if (atlas.MapOf(landmark) != map) return;
+    const auto cube = CubeOf(landmark.point_in_map, edge);
+    const auto [place, fresh] = places.try_emplace(cube, cubes_.size());
+    if (fresh) {
+      const Eigen::Vector3d corner(static_cast<double>(cube[0]), static_cast<double>(cube[1]),
+                                   static_cast<double>(cube[2]));
+      cubes_.push_back({edge * (corner + Eigen::Vector3d::Constant(0.5)), {}});
+    }
+    cubes_[place->second].landmarks.push_back({landmark.id, landmark.point_in_map});
+  });
+}
+
+std::vector<LandmarkId> LandmarkIndex::InView(const Viewpoint& viewpoint) const {
+  const ViewPyramid pyramid(viewpoint.camera);
+  const Eigen::Matrix3d rotation = viewpoint.camera_from_map.rotation().toRotationMatrix();
+  const Eigen::Vector3d translation = viewpoint.camera_from_map.translation();
+  std::vector<LandmarkId> seen;
+  for (const Cube& cube : cubes_) {
+    if (!pyramid.Touches(rotation * cube.center_in_map + translation, reach_)) continue;
+    for (const Entry& entry : cube.landmarks) {
+      const Eigen::Vector3d point = rotation * entry.point_in_map + translation;
+      if (point.z() > 0.0 && viewpoint.camera.Contains(viewpoint.camera.Project(point))) seen.push_back(entry.id);
+    }
+  }
+  std::ranges::sort(seen);
+  return seen;
+}
+
+}  // namespace pangaea

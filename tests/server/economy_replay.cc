@@ -1,0 +1,213 @@
+// What the server's economy makes of a recorded store, step by step, with sizes, errors and CPU time after each:
+//   economy_replay atlas.db STEP... -- NAME=DATASET...
+// Steps: weld (look up every keyframe, weld what is recognised), optimize (duplicates along the map, global bundle
+// adjustment), fuse:RADIUS:DISTANCE:RATIO (duplicates alone), thin:KEPT:KEPT_IN_CELL:MAX_OBSERVERS (weak landmarks),
+// cull (redundant keyframes), count (by how many keyframes landmarks are seen).
+#include <cstdio>
+#include <ctime>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "cli/evaluation.h"
+#include "cli/stored_atlas.h"
+#include "common/map/covisibility.h"
+#include "common/map/map_edit.h"
+#include "common/map/spanning_tree.h"
+#include "common/map/trajectory.h"
+#include "common/place/vocabulary_file.h"
+#include "server/atlas/map_optimization.h"
+#include "server/atlas/welding_agenda.h"
+#include "server/fusion/landmark_thinning.h"
+#include "server/fusion/redundancy.h"
+#include "server/optimization/pose_graph.h"
+#include "server/place_recognition/place_recognizer.h"
+
+namespace pangaea {
+namespace {
+
+double CpuSeconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+class Replay {
+ public:
+  explicit Replay(StoredAtlas stored) : stored_(std::move(stored)) {}
+
+  void Report(const std::string& step, double seconds) {
+    for (SessionPart& part : stored_.parts) {
+      part.trajectory.estimate.clear();
+      const Rigid3d camera_from_body = BodyFromCamera(part.session).Inverse();
+      for (const TrajectoryPose& pose : SessionTrajectory(stored_.atlas(), part.session, part.map)) {
+        part.trajectory.estimate.push_back({pose.stamp_ns, pose.map_from_camera * camera_from_body});
+      }
+    }
+    std::printf("%-24s %5.2f s CPU, %4zu keyframes, %5zu landmarks", step.c_str(), seconds,
+                stored_.atlas().keyframe_count(), stored_.atlas().landmark_count());
+    const auto maps = EvaluateMaps(stored_, {});
+    if (!maps) {
+      std::printf(" %s\n", maps.error().message.c_str());
+      return;
+    }
+    for (const MapEvaluation& map : *maps) {
+      std::printf("; ATE");
+      for (const auto& row : map.report.alone) {
+        std::printf(" %.4f", row.error.error.rms);
+      }
+      if (map.report.joint) std::printf(" joint %.4f", map.report.joint->error.rms);
+    }
+    std::printf("\n");
+  }
+
+  void Do(const std::string& step) {
+    const double begin = CpuSeconds();
+    if (step == "count") Count();
+    if (step == "optimize") Optimize();
+    if (step == "cull") Cull();
+    if (step == "weld") Weld();
+    if (step.starts_with("thin:")) Thin(step);
+    if (step.starts_with("fuse:")) FuseAll(step);
+    Report(step, CpuSeconds() - begin);
+  }
+
+ private:
+  Rigid3d BodyFromCamera(SessionId session) const {
+    for (const SessionRecord& record : stored_.recovered.sessions) {
+      if (record.announcement.session == session) return record.announcement.body_from_camera;
+    }
+    return {};
+  }
+
+  Atlas& atlas() { return stored_.recovered.atlas; }
+
+  void Take(const std::vector<MapEdit>& edits) {
+    for (const MapEdit& edit : edits) {
+      if (!Apply(edit, atlas())) std::printf("an edit does not fit\n");
+    }
+  }
+
+  void Optimize() {
+    for (const MapId map : atlas().Maps()) {
+      const auto optimized = OptimizeMap(atlas(), map, {}, {});
+      if (!optimized) continue;
+      const auto edits = OptimizationEdits(optimized->optimized, atlas());
+      if (edits) Take(*edits);
+      std::printf("  fused %zu, outliers %zu of %zu\n", optimized->fused, optimized->bundle.outliers,
+                  optimized->bundle.observations);
+    }
+  }
+
+  void FuseAll(const std::string& step) {
+    MapFusionOptions options;
+    double radius = 4;
+    std::sscanf(step.c_str(), "fuse:%lf:%d:%lf", &radius, &options.search.max_distance, &options.search.max_ratio);
+    options.search.radius = options.search.old_radius = options.search.fusion_gate = radius;
+    for (const MapId map : atlas().Maps()) {
+      const MapFusion fusion = FuseDuplicates(atlas(), map, ParentsFirst(atlas(), map), options, {});
+      std::printf("  fused %zu, observations added %zu\n", fusion.fused, fusion.added);
+      OptimizedMap optimized;
+      optimized.joins = fusion.edits;
+      optimized.corrections.push_back(fusion.correction);
+      const auto edits = OptimizationEdits(optimized, atlas());
+      if (edits) Take(*edits);
+    }
+  }
+
+  // As the server would: each keyframe is looked up, what is found is welded at once.
+  void Weld() {
+    auto vocabulary = OpenVocabulary();
+    PlaceRecognizer recognizer(*vocabulary, {});
+    WeldingAgenda agenda({}, {});
+    std::vector<KeyframeId> ids;
+    atlas().ForEachKeyframe([&](const Keyframe& keyframe) { ids.push_back(keyframe.id); });
+    NoStageRecorder stages;
+    for (const KeyframeId id : ids) {
+      for (PlaceMatch& match : recognizer.Recognize(atlas(), id, stages).matches) agenda.Add(std::move(match));
+      while (auto match = agenda.Next(atlas(), [](MapId) { return false; })) {
+        const double begin = CpuSeconds();
+        const auto plan = PlanWelding(atlas(), *match, {}, {});
+        const double planned = CpuSeconds();
+        if (!plan) {
+          std::printf("  %5.0f ms %s\n", 1e3 * (planned - begin), Describe(plan.error()).c_str());
+          continue;
+        }
+        const Atlas after_seam = Corrected(plan->correction.base, plan->correction);
+        auto spread = OptimizePoseGraph(plan->before_seam, after_seam, plan->map, plan->held, {}, {});
+        const double spread_out = CpuSeconds();
+        const auto edits = WeldingEdits(*plan, spread->correction, atlas());
+        if (edits) Take(*edits);
+        std::printf("  plan %4.0f ms, pose graph %4.0f ms, edits %4.0f ms: %s\n", 1e3 * (planned - begin),
+                    1e3 * (spread_out - planned), 1e3 * (CpuSeconds() - spread_out), Describe(*plan).c_str());
+      }
+    }
+    for (SessionPart& part : stored_.parts) part.map = atlas().Resolve(part.map);
+    stored_.maps = atlas().Maps();
+  }
+
+  void Thin(const std::string& step) {
+    ThinningOptions options;
+    std::sscanf(step.c_str(), "thin:%zu:%zu:%zu", &options.kept, &options.kept_in_cell, &options.max_observers);
+    for (const MapId map : atlas().Maps()) Take(PlanThinning(atlas(), map, {}, options, {}));
+  }
+
+  void Cull() { Take(PlanCulling(atlas(), {}, {}, {})); }
+
+  void Count() {
+    std::map<std::size_t, std::size_t> of_observers;
+    std::size_t of_many_sessions = 0;
+    std::size_t observations = 0;
+    atlas().ForEachLandmark([&](const Landmark& landmark) {
+      ++of_observers[std::min<std::size_t>(landmark.observations.size(), 12)];
+      observations += landmark.observations.size();
+      std::set<SessionId> sessions;
+      for (const Observation& observation : landmark.observations) sessions.insert(observation.keyframe.session);
+      of_many_sessions += sessions.size() > 1 ? 1 : 0;
+    });
+    std::printf("  observers:");
+    for (const auto& [count, landmarks] : of_observers) std::printf(" %zu:%zu", count, landmarks);
+    std::printf("; %zu observations, %zu landmarks of several sessions\n", observations, of_many_sessions);
+  }
+
+  StoredAtlas stored_;
+};
+
+}  // namespace
+}  // namespace pangaea
+
+int main(int argc, char** argv) {
+  std::vector<std::string> steps;
+  std::vector<std::string> datasets;
+  bool after = false;
+  for (int i = 2; i < argc; ++i) {
+    if (std::string(argv[i]) == "--") {
+      after = true;
+    } else {
+      (after ? datasets : steps).emplace_back(argv[i]);
+    }
+  }
+  if (argc < 2) {
+    std::fprintf(stderr, "economy_replay STORE STEP... -- NAME=DATASET...\n");
+    return 2;
+  }
+  auto stored = pangaea::ReadStoredAtlas(argv[1]);
+  if (!stored) {
+    std::fprintf(stderr, "%s\n", stored.error().message.c_str());
+    return 1;
+  }
+  const auto truths = pangaea::ReadTruths(datasets);
+  if (!truths) {
+    std::fprintf(stderr, "%s\n", truths.error().message.c_str());
+    return 1;
+  }
+  if (auto status = pangaea::AttachTruths(*truths, *stored); !status) {
+    std::fprintf(stderr, "%s\n", status.error().message.c_str());
+    return 1;
+  }
+  pangaea::Replay replay(std::move(*stored));
+  replay.Report("stored", 0);
+  for (const auto& step : steps) replay.Do(step);
+  return 0;
+}
