@@ -3,19 +3,13 @@
 #include <algorithm>
 
 namespace pangaea {
-namespace {
 
-// A map whose pieces were seen from more than one way: adjusting it as a whole says something that its agent's local
-// adjustment did not.
 bool IsWelded(const Atlas& atlas, MapId map) {
   return std::ranges::any_of(atlas.loop_edges(), [&](const LoopEdge& edge) {
     const Keyframe* keyframe = atlas.FindKeyframe(edge.from);
     return keyframe != nullptr && keyframe->map == map;
   });
 }
-
-}  // namespace
-
 Status OptimizationAgendaOptions::Check() const {
   if (growth > 0.0 && patience >= 1) return {};
   return Fail(ErrorCode::kInvalidArgument, "growth must be above 0 and patience at least 1");

@@ -10,6 +10,10 @@
 
 namespace pangaea {
 
+// Whether pieces of the map were seen from more than one way: adjusting it as a whole says something that its agent's
+// local adjustment did not.
+bool IsWelded(const Atlas& atlas, MapId map);
+
 struct OptimizationAgendaOptions {
   // A map of several pieces that has grown by this share since its last global bundle adjustment gets another one.
   double growth = 0.25;
@@ -27,6 +31,8 @@ class OptimizationAgenda {
 
   // A weld changed this map. True: the running adjustment works on it and has to be cancelled (Finish says so then).
   bool MapWelded(MapId map);
+  // Something else changed it so much that it is due again.
+  void MapChanged(MapId map) { MakeDue(map); }
   // Looks for maps that are due by themselves, and follows merges.
   void Update(const Atlas& atlas);
   // Starts the one that has waited longest. Nothing while one runs, or when none is due.

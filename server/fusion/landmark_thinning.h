@@ -12,8 +12,9 @@
 namespace pangaea {
 
 struct ThinningOptions {
-  // Landmarks that a keyframe keeps however weak they are (count): a frame is tracked on up to 300.
-  std::size_t kept = 300;
+  // Landmarks that a keyframe keeps however weak they are (count): a frame is tracked on up to 300, and not all are
+  // found again.
+  std::size_t kept = 350;
   // ... and in each cell of its image, so that what is kept lies all over it (count).
   std::size_t kept_in_cell = 4;
   int cell = 94;  // edge of a cell, pixels: 8 x 5 cells of a picture of 752 x 480

@@ -1,6 +1,7 @@
 #include "server/fusion/redundancy.h"
 
 #include <algorithm>
+#include <functional>
 #include <queue>
 #include <utility>
 
@@ -32,8 +33,12 @@ class Culling {
   }
 
   std::vector<MapEdit> Run() {
-    CullKeyframes();
+    CullKeyframes([](const Keyframe&) { return true; });
     if (options_.max_bytes > 0) CullLandmarks();
+    return std::move(edits_);
+  }
+  std::vector<MapEdit> RunOn(MapId map) {
+    CullKeyframes([map](const Keyframe& keyframe) { return keyframe.map == map; });
     return std::move(edits_);
   }
 
@@ -51,13 +56,13 @@ class Culling {
 
   // With each keyframe that goes, the others get less redundant and never more. So one whose share is still what it was
   // when it was put into the queue is the most redundant of all.
-  void CullKeyframes() {
+  void CullKeyframes(const std::function<bool(const Keyframe&)>& concerns) {
     std::priority_queue<std::pair<double, KeyframeId>> queue;
     const auto enqueue = [&](double share, KeyframeId id) {
       if (share >= options_.redundant_share) queue.emplace(share, id);
     };
     atlas_.ForEachKeyframe([&](const Keyframe& keyframe) {
-      if (MayGo(keyframe)) enqueue(ShareOf(keyframe), keyframe.id);
+      if (concerns(keyframe) && MayGo(keyframe)) enqueue(ShareOf(keyframe), keyframe.id);
     });
     while (!queue.empty() && !IsDone()) {
       const auto [share, id] = queue.top();
@@ -125,6 +130,13 @@ std::size_t EstimateBytes(const Atlas& atlas) {
 std::vector<MapEdit> PlanCulling(const Atlas& atlas, const std::set<KeyframeId>& in_use,
                                  const RedundancyOptions& options, std::stop_token stop) {
   return Culling(atlas, in_use, options, std::move(stop)).Run();
+}
+
+std::vector<MapEdit> PlanKeyframeCulling(const Atlas& atlas, MapId map, const std::set<KeyframeId>& in_use,
+                                         const RedundancyOptions& options, std::stop_token stop) {
+  RedundancyOptions unlimited = options;
+  unlimited.max_bytes = 0;
+  return Culling(atlas, in_use, unlimited, std::move(stop)).RunOn(map);
 }
 
 }  // namespace pangaea

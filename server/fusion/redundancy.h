@@ -37,4 +37,8 @@ std::size_t EstimateBytes(const Atlas& atlas);
 std::vector<MapEdit> PlanCulling(const Atlas& atlas, const std::set<KeyframeId>& in_use,
                                  const RedundancyOptions& options, std::stop_token stop);
 
+// The same of the keyframes of one map: all that are redundant, whatever the memory.
+std::vector<MapEdit> PlanKeyframeCulling(const Atlas& atlas, MapId map, const std::set<KeyframeId>& in_use,
+                                         const RedundancyOptions& options, std::stop_token stop);
+
 }  // namespace pangaea

@@ -6,25 +6,12 @@
 #include <utility>
 
 #include "common/place/vocabulary_file.h"
+#include "server/atlas/map_economy.h"
 #include "server/atlas/map_optimization.h"
 #include "server/fusion/redundancy.h"
 #include "server/runtime/stopwatch.h"
 
 namespace pangaea {
-namespace {
-
-// What agents that live work on.
-std::set<KeyframeId> KeyframesInUse(const IngestState& state) {
-  std::set<KeyframeId> keyframes;
-  for (const auto& [id, session] : state.sessions) {
-    if (!session.alive()) continue;
-    state.atlas.ForEachKeyframe(id, [&keyframes](const Keyframe& keyframe) { keyframes.insert(keyframe.id); });
-  }
-  return keyframes;
-}
-
-}  // namespace
-
 Result<std::unique_ptr<AtlasWork>> AtlasWork::Create(AtlasService& service, const WorkOptions& options, Output output) {
   auto vocabulary = OpenVocabulary(options.vocabulary.string());
   if (!vocabulary) return Fail(vocabulary.error().code, "recognition.vocabulary: " + vocabulary.error().message);
@@ -51,11 +38,19 @@ AtlasWork::AtlasWork(AtlasService& service, const WorkOptions& options,
     if (options.max_bytes == 0) return std::vector<MapEdit>();
     RedundancyOptions redundancy = options.redundancy;
     redundancy.max_bytes = options.max_bytes;
-    return PlanCulling(state.atlas, KeyframesInUse(state), redundancy, stop);
+    return PlanCulling(state.atlas, KeyframesInUse(state, options.in_use), redundancy, stop);
   };
+  const auto in_use = [options](const IngestState& state) { return KeyframesInUse(state, options.in_use); };
+  OptimizationThread::Economizer economize;
+  if (options.economy.enabled) {
+    economize = [options](const Atlas& atlas, MapId map, const std::set<KeyframeId>& used,
+                          const std::stop_token& stop) {
+      return EconomizeMap(atlas, map, used, options.economy, options.redundancy, stop);
+    };
+  }
   const auto finished = [this] { welding_->Notify(); };
-  optimization_ = std::make_unique<OptimizationThread>(service, OptimizationThread::Jobs{optimize, tidy},
-                                                       options.optimization, finished, ledger_);
+  optimization_ = std::make_unique<OptimizationThread>(
+      service, OptimizationThread::Jobs{optimize, tidy, in_use, economize}, options.optimization, finished, ledger_);
   OptimizationThread& optimization = *optimization_;
   const WeldingThread::Links links{
       output.report, [&optimization](const WeldingPlan& plan) { optimization.Welded(plan.map, plan.absorbed); },

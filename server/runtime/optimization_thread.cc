@@ -17,7 +17,12 @@ constexpr int kNice = 19;
 
 OptimizationThread::OptimizationThread(AtlasService& service, Jobs jobs, const OptimizationAgendaOptions& options,
                                        std::function<void()> finished, WorkLedger& ledger)
-    : service_(service), jobs_(std::move(jobs)), finished_(std::move(finished)), ledger_(ledger), agenda_(options) {}
+    : service_(service),
+      jobs_(std::move(jobs)),
+      finished_(std::move(finished)),
+      ledger_(ledger),
+      agenda_(options),
+      economy_agenda_(options.growth) {}
 
 void OptimizationThread::Start() {
   thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
@@ -33,7 +38,7 @@ void OptimizationThread::Welded(MapId map, MapId absorbed) {
     MutexLock lock(mutex_);
     bool cancel = agenda_.MapWelded(map);
     if (absorbed.valid()) cancel = agenda_.MapWelded(absorbed) || cancel;
-    if (cancel) running_.request_stop();
+    if (cancel || economizing_) running_.request_stop();
     const std::size_t waiting = agenda_.waiting();
     ledger_.Write([waiting](WorkReport& report) { report.optimizations_waiting = waiting; });
   }
@@ -50,13 +55,15 @@ void OptimizationThread::Run(const std::stop_token& stop) {
   while (bell_.Wait(stop)) {
     while (!stop.stop_requested()) {
       const auto state = service_.State();
-      const auto map = Begin(state->ingest.atlas);
-      if (!map) {
-        Tidy(state->ingest, stop);
-        break;
+      if (const auto map = Begin(state->ingest.atlas)) {
+        Optimize(state->ingest.atlas, *map, stop);
+        finished_();
+        continue;
       }
-      Optimize(state->ingest.atlas, *map, stop);
-      finished_();
+      if (Economize(state->ingest, stop)) continue;
+      Tidy(state->ingest, stop);
+      ledger_.Write([&](WorkReport& report) { report.planned_version = state->ingest.atlas.version(); });
+      break;
     }
   }
 }
@@ -70,17 +77,18 @@ std::optional<MapId> OptimizationThread::Begin(const Atlas& atlas) {
   ledger_.Write([&](WorkReport& report) {
     report.optimizing = map;
     report.optimizations_waiting = waiting;
-    report.planned_version = atlas.version();
+    if (map) report.planned_version = atlas.version();
   });
   return map;
 }
 
+std::stop_source OptimizationThread::Running() const {
+  MutexLock lock(mutex_);
+  return running_;
+}
+
 void OptimizationThread::Optimize(const Atlas& snapshot, MapId map, const std::stop_token& stop) {
-  std::stop_source running;
-  {
-    MutexLock lock(mutex_);
-    running = running_;
-  }
+  std::stop_source running = Running();
   const std::stop_callback end(stop, [&running] { running.request_stop(); });
   const Stopwatch watch;
   const auto optimized = jobs_.optimize(snapshot, map, running.get_token());
@@ -111,6 +119,60 @@ void OptimizationThread::Propose(const OptimizedMap& optimized) {
   const auto rebase = [&optimized](const Atlas& current) { return OptimizationEdits(optimized, current); };
   const auto answer = service_.ProposeAndWait({{"optimization"}, rebase});
   if (!answer) spdlog::warn("the result of a global bundle adjustment was not taken: {}", answer.error().message);
+}
+
+// True when the atlas is another: then there may be more to do.
+bool OptimizationThread::Economize(const IngestState& snapshot, const std::stop_token& stop) {
+  if (!jobs_.economize) return false;
+  const std::set<KeyframeId> in_use = jobs_.in_use(snapshot);
+  while (const auto map = economy_agenda_.Next(snapshot.atlas, in_use)) {
+    const Stopwatch watch;
+    const auto economy = EconomizeOne(snapshot.atlas, *map, in_use, stop);
+    if (!economy || (!economy->empty() && !Take(*economy))) return false;
+    economy_agenda_.Finish(*map, economy->after, in_use);
+    if (economy->empty()) continue;
+    spdlog::info("{}; {:.0f} ms", Describe(*economy), watch.milliseconds());
+    MutexLock lock(mutex_);
+    agenda_.MapChanged(*map);
+    return true;
+  }
+  return false;
+}
+
+std::optional<MapEconomy> OptimizationThread::EconomizeOne(const Atlas& snapshot, MapId map,
+                                                           const std::set<KeyframeId>& in_use,
+                                                           const std::stop_token& stop) {
+  std::stop_source running;
+  {
+    MutexLock lock(mutex_);
+    running_ = running;
+    economizing_ = true;
+  }
+  const std::stop_callback end(stop, [&running] { running.request_stop(); });
+  auto economy = jobs_.economize(snapshot, map, in_use, running.get_token());
+  MutexLock lock(mutex_);
+  economizing_ = false;
+  if (running.stop_requested()) return std::nullopt;
+  return economy;
+}
+
+bool OptimizationThread::Take(const MapEconomy& economy) {
+  EditsProposed proposal;
+  proposal.cause.kind = "culling";
+  proposal.make = [&economy](const Atlas& current) { return OptimizationEdits(economy.changes, current); };
+  proposal.event = AtlasEvent{{}, AtlasEventKind::kCulled, Describe(economy), 0, 0};
+  const auto answer = service_.ProposeAndWait(std::move(proposal));
+  if (!answer) {
+    spdlog::warn("a map was not made smaller: {}", answer.error().message);
+    return false;
+  }
+  ledger_.Write([&](WorkReport& report) {
+    report.fused += economy.fused;
+    report.culled_landmarks += economy.landmarks;
+    report.culled_keyframes += economy.keyframes;
+    report.culled += economy.landmarks + economy.keyframes;
+  });
+  return true;
 }
 
 void OptimizationThread::Tidy(const IngestState& snapshot, const std::stop_token& stop) {

@@ -3,11 +3,14 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <set>
 #include <stop_token>
 #include <thread>
 #include <vector>
 
 #include "common/base/mutex.h"
+#include "server/atlas/economy_agenda.h"
+#include "server/atlas/map_economy.h"
 #include "server/atlas/optimization_agenda.h"
 #include "server/atlas/welding_edits.h"
 #include "server/runtime/atlas_service.h"
@@ -17,16 +20,24 @@
 namespace pangaea {
 
 // Runs the global bundle adjustments, one at a time, at the lowest priority, each on a snapshot. A weld in its map
-// cancels the running one; its successor starts from what the weld made.
+// cancels the running one; its successor starts from what the weld made. When none is due, it makes the maps smaller;
+// any weld cancels that.
 class OptimizationThread {
  public:
   // A long computation on a snapshot; nothing when the stop was requested, or when it found nothing better.
   using Optimizer = std::function<std::optional<OptimizedMap>(const Atlas& snapshot, MapId map, std::stop_token stop)>;
   // What the atlas can do without; nothing while there is room for all of it.
   using Tidier = std::function<std::vector<MapEdit>(const IngestState& snapshot, std::stop_token stop)>;
+  // What living agents work on.
+  using InUse = std::function<std::set<KeyframeId>(const IngestState& snapshot)>;
+  // What the map needs no longer; nothing when the stop was requested.
+  using Economizer = std::function<std::optional<MapEconomy>(const Atlas& snapshot, MapId map,
+                                                             const std::set<KeyframeId>& in_use, std::stop_token stop)>;
   struct Jobs {
     Optimizer optimize;
     Tidier tidy;
+    InUse in_use;
+    Economizer economize;  // none: maps stay as large as they are
   };
   // `finished`: a bundle adjustment came to its end or was cancelled. Called on its thread.
   OptimizationThread(AtlasService& service, Jobs jobs, const OptimizationAgendaOptions& options,
@@ -49,7 +60,12 @@ class OptimizationThread {
   std::optional<MapId> Begin(const Atlas& atlas) EXCLUDES(mutex_);
   void Optimize(const Atlas& snapshot, MapId map, const std::stop_token& stop);
   void Propose(const OptimizedMap& optimized);
+  bool Economize(const IngestState& snapshot, const std::stop_token& stop) EXCLUDES(mutex_);
+  std::optional<MapEconomy> EconomizeOne(const Atlas& snapshot, MapId map, const std::set<KeyframeId>& in_use,
+                                         const std::stop_token& stop) EXCLUDES(mutex_);
+  bool Take(const MapEconomy& economy);
   void Tidy(const IngestState& snapshot, const std::stop_token& stop);
+  std::stop_source Running() const EXCLUDES(mutex_);
 
   AtlasService& service_;
   const Jobs jobs_;
@@ -59,6 +75,8 @@ class OptimizationThread {
   mutable Mutex mutex_;
   OptimizationAgenda agenda_ GUARDED_BY(mutex_);
   std::stop_source running_ GUARDED_BY(mutex_);
+  bool economizing_ GUARDED_BY(mutex_) = false;
+  EconomyAgenda economy_agenda_;      // of the thread
   std::size_t tidied_keyframes_ = 0;  // there were when it was tidied; of the thread
   std::jthread thread_;
 };

@@ -127,9 +127,12 @@ void AddWork(const ServerFacts::Work& work, std::uint64_t version, json& status)
                      {"last", WeldsJson(report.welds)},
                      {"last_refused", WeldsJson(report.refusals)}};
   status["relocalization"] = {{"found", report.relocalized}, {"not_found", report.not_relocalized}};
-  status["optimization"] = {{"running", report.optimizing.has_value()},
-                            {"cancelled", report.cancelled_optimizations},
-                            {"culled", report.culled}};
+  status["optimization"] = {
+      {"running", report.optimizing.has_value()},
+      {"cancelled", report.cancelled_optimizations},
+      {"culled", report.culled},
+      {"economy",
+       {{"fused", report.fused}, {"landmarks", report.culled_landmarks}, {"keyframes", report.culled_keyframes}}}};
   if (report.optimizing) status["optimization"]["map"] = ToString(*report.optimizing);
   status["queues"]["recognition"] = {{"size", report.lookups_waiting}};
   status["queues"]["welding"] = {{"size", report.matches_waiting}};

@@ -13,6 +13,8 @@ Status WorkOptions::Check() const {
   if (auto status = pose_graph.Check(); !status) return status;
   if (auto status = optimization.Check(); !status) return status;
   if (auto status = map.Check(); !status) return status;
+  if (auto status = economy.Check(); !status) return status;
+  if (auto status = in_use.Check(); !status) return status;
   return redundancy.Check();
 }
 
@@ -34,6 +36,12 @@ void ReadWork(ConfigReader& reader, WorkOptions& options) {
   reader.Read("optimization.growth", &options.optimization.growth, Range{0.01, 10.0});
   reader.Read("optimization.max_seconds", &options.map.bundle.max_seconds, Range{0.0, 86'400.0});
   reader.Read("optimization.threads", &options.map.bundle.threads, Range{1, 256});
+  reader.Read("economy.enabled", &options.economy.enabled);
+  reader.Read("economy.max_descriptor_bits", &options.economy.fusion.search.max_distance, Range{0, 256});
+  reader.Read("economy.landmarks_per_keyframe", &options.economy.thinning.kept, Range{20, 100'000});
+  reader.Read("economy.max_observers", &options.economy.thinning.max_observers, Range{0, 1000});
+  reader.Read("economy.newest_in_use", &options.in_use.newest, Range{1, 100'000});
+  reader.Read("economy.around_newest", &options.in_use.around, Range{0, 100'000});
   std::size_t mebibytes = options.max_bytes >> 20U;
   reader.Read("redundancy.max_mib", &mebibytes, Range{0, 1 << 30});
   options.max_bytes = mebibytes << 20U;

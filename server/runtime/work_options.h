@@ -5,6 +5,7 @@
 #include "common/base/config.h"
 #include "common/base/result.h"
 #include "server/atlas/lookup_agenda.h"
+#include "server/atlas/map_economy.h"
 #include "server/atlas/map_optimization.h"
 #include "server/atlas/optimization_agenda.h"
 #include "server/atlas/welding_agenda.h"
@@ -29,14 +30,16 @@ struct WorkOptions {
   PoseGraphOptions pose_graph{};
   OptimizationAgendaOptions optimization{};
   MapOptimizationOptions map{};
+  EconomyOptions economy{};
   RedundancyOptions redundancy{};
+  InUseOptions in_use{};
   // Keyframes and landmarks may take so many bytes of memory; beyond, what is redundant is culled. 0: nothing is.
   std::size_t max_bytes = 0;
 
   Status Check() const;
 };
 
-// Reads the keys recognition.*, fusion.* and optimization.*.
+// Reads the keys recognition.*, fusion.*, optimization.*, economy.* and redundancy.*.
 void ReadWork(ConfigReader& reader, WorkOptions& options);
 
 }  // namespace pangaea

@@ -43,16 +43,19 @@ struct WorkReport {
   std::uint64_t loops = 0;
   std::uint64_t refused = 0;
   std::uint64_t cancelled_optimizations = 0;
-  std::uint64_t culled = 0;
-  std::uint64_t relocalized = 0;      // frames of lost agents that were found
-  std::uint64_t not_relocalized = 0;  // ... and that were not
-  std::optional<MapId> optimizing;    // whose global bundle adjustment runs
-  std::deque<WeldReport> welds;       // the newest last
-  std::deque<WeldReport> refusals;    // the newest last
-  LatencyWindow recognition_ms;       // of a keyframe
-  LatencyWindow relocalization_ms;    // of a lost agent's frame, found or not
-  LatencyWindow merge_ms;             // from the match's turn until it was durable, without the pose graph
-  LatencyWindow loop_ms;              // with it
+  std::uint64_t culled = 0;            // keyframes and landmarks, by economy and under the memory budget
+  std::uint64_t fused = 0;             // by economy: duplicates that became one,
+  std::uint64_t culled_landmarks = 0;  // weak landmarks that went,
+  std::uint64_t culled_keyframes = 0;  // redundant keyframes that went
+  std::uint64_t relocalized = 0;       // frames of lost agents that were found
+  std::uint64_t not_relocalized = 0;   // ... and that were not
+  std::optional<MapId> optimizing;     // whose global bundle adjustment runs
+  std::deque<WeldReport> welds;        // the newest last
+  std::deque<WeldReport> refusals;     // the newest last
+  LatencyWindow recognition_ms;        // of a keyframe
+  LatencyWindow relocalization_ms;     // of a lost agent's frame, found or not
+  LatencyWindow merge_ms;              // from the match's turn until it was durable, without the pose graph
+  LatencyWindow loop_ms;               // with it
   LatencyWindow pose_graph_ms;
   LatencyWindow global_ms;  // of those that came to their end
 

@@ -205,8 +205,8 @@ TEST(OptimizationThread, WhatIsRedundantIsCulledOnceAsTheServersOwnEdit) {
   };
   OptimizationThread thread(
       *harness.service,
-      {[](const Atlas&, MapId, const std::stop_token&) { return std::optional<OptimizedMap>(); }, tidy}, {}, [] {},
-      ledger);
+      {[](const Atlas&, MapId, const std::stop_token&) { return std::optional<OptimizedMap>(); }, tidy, {}, {}}, {},
+      [] {}, ledger);
   thread.Start();
   thread.Notify();
   harness.WaitForEvent(AtlasEventKind::kCulled);
@@ -225,8 +225,9 @@ TEST(OptimizationThread, WeldsCancelTheRunningOneWhichIsLaunchedAgain) {
   FakeOptimizer optimizer;
   WorkLedger ledger;
   OptimizationThread thread(
-      *harness.service, {[&](const Atlas&, MapId, const std::stop_token& stop) { return optimizer(stop); }, KeepAll},
-      {}, [] {}, ledger);
+      *harness.service,
+      {[&](const Atlas&, MapId, const std::stop_token& stop) { return optimizer(stop); }, KeepAll, {}, {}}, {}, [] {},
+      ledger);
   thread.Start();
   thread.Welded(M(1), {});
   optimizer.WaitForBegin(1);
@@ -248,8 +249,9 @@ TEST(OptimizationThread, StoppingGivesUpWhatRuns) {
   FakeOptimizer optimizer;
   WorkLedger ledger;
   OptimizationThread thread(
-      *harness.service, {[&](const Atlas&, MapId, const std::stop_token& stop) { return optimizer(stop); }, KeepAll},
-      {}, [] {}, ledger);
+      *harness.service,
+      {[&](const Atlas&, MapId, const std::stop_token& stop) { return optimizer(stop); }, KeepAll, {}, {}}, {}, [] {},
+      ledger);
   thread.Start();
   thread.Welded(M(1), {});
   optimizer.WaitForBegin(1);

@@ -1,8 +1,9 @@
 // What the server's economy makes of a recorded store, step by step, with sizes, errors and CPU time after each:
 //   economy_replay atlas.db STEP... -- NAME=DATASET...
 // Steps: weld (look up every keyframe, weld what is recognised), optimize (duplicates along the map, global bundle
-// adjustment), fuse:RADIUS:DISTANCE:RATIO (duplicates alone), thin:KEPT:KEPT_IN_CELL:MAX_OBSERVERS (weak landmarks),
-// cull (redundant keyframes), count (by how many keyframes landmarks are seen).
+// adjustment), economize (what a map needs no longer), fuse:RADIUS:DISTANCE:RATIO (duplicates alone),
+// thin:KEPT:KEPT_IN_CELL:MAX_OBSERVERS (weak landmarks), cull (redundant keyframes), count (by how many keyframes
+// landmarks are seen).
 #include <cstdio>
 #include <ctime>
 #include <map>
@@ -17,6 +18,7 @@
 #include "common/map/spanning_tree.h"
 #include "common/map/trajectory.h"
 #include "common/place/vocabulary_file.h"
+#include "server/atlas/map_economy.h"
 #include "server/atlas/map_optimization.h"
 #include "server/atlas/welding_agenda.h"
 #include "server/fusion/landmark_thinning.h"
@@ -67,6 +69,7 @@ class Replay {
     if (step == "count") Count();
     if (step == "optimize") Optimize();
     if (step == "cull") Cull();
+    if (step == "economize") Economize();
     if (step == "weld") Weld();
     if (step.starts_with("thin:")) Thin(step);
     if (step.starts_with("fuse:")) FuseAll(step);
@@ -145,6 +148,15 @@ class Replay {
     }
     for (SessionPart& part : stored_.parts) part.map = atlas().Resolve(part.map);
     stored_.maps = atlas().Maps();
+  }
+
+  void Economize() {
+    for (const MapId map : atlas().Maps()) {
+      const auto economy = EconomizeMap(atlas(), map, {}, {}, {}, {});
+      const auto edits = OptimizationEdits(economy->changes, atlas());
+      if (edits) Take(*edits);
+      std::printf("  %s\n", Describe(*economy).c_str());
+    }
   }
 
   void Thin(const std::string& step) {

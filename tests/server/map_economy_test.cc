@@ -1,0 +1,97 @@
+#include "server/atlas/map_economy.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/map/consistency.h"
+#include "server/atlas/economy_agenda.h"
+#include "tests/map/small_world.h"
+#include "tests/server/fusion_world.h"
+
+namespace pangaea::testing {
+namespace {
+
+using ::testing::IsEmpty;
+
+const MapId kMap{kOlder, 1};
+
+// Two sessions that flew the same way with many more keyframes than it needs, welded in the middle.
+struct FlownTwice {
+  explicit FlownTwice(std::uint64_t seed) : world(seed) {
+    world.Fly(kOlder, CirclePoses(0, 19, 80), {});
+    SurveyOptions second;
+    second.stamp_ns = 1'000'000'000'000;
+    second.map_from_world = RandomFrame(seed);
+    world.Fly(kNewer, CirclePoses(0, 19, 80), second);
+    const PlaceMatch match = world.TrueMatch(world.KeyframesOf(kNewer)[10], world.KeyframesOf(kOlder)[10]);
+    const WeldingOutcome plan = PlanWelding(world.atlas, match, {}, {});
+    EXPECT_TRUE(plan.has_value());
+    merged = world.atlas;
+    if (plan) Carry(*plan, merged);
+  }
+  SurveyedWorld world;
+  Atlas merged;
+};
+
+Atlas Economized(const Atlas& atlas, const MapEconomy& economy) {
+  Atlas after = atlas;
+  const auto edits = OptimizationEdits(economy.changes, atlas);
+  EXPECT_TRUE(edits.has_value());
+  for (const MapEdit& edit : *edits) EXPECT_TRUE(Apply(edit, after).has_value()) << KindName(edit);
+  EXPECT_THAT(CheckConsistency(after), IsEmpty());
+  return after;
+}
+
+class Economy : public ::testing::TestWithParam<std::uint64_t> {};
+INSTANTIATE_TEST_SUITE_P(Seeds, Economy, ::testing::Range<std::uint64_t>(1, 4));
+
+TEST_P(Economy, OfAPlaceMappedTwiceMuchLessThanTwoMapsRemains) {
+  const FlownTwice flown(GetParam());
+  const auto economy = EconomizeMap(flown.merged, kMap, {}, {}, {}, {});
+  ASSERT_TRUE(economy.has_value());
+  const Atlas after = Economized(flown.merged, *economy);
+  EXPECT_LT(after.keyframe_count(), flown.world.atlas.keyframe_count() * 3 / 4);
+  EXPECT_LT(after.landmark_count(), flown.world.atlas.landmark_count() * 3 / 4);
+  EXPECT_EQ(after.keyframe_count(), flown.merged.keyframe_count() - economy->keyframes);
+  EXPECT_EQ(economy->after.landmark_count(), after.landmark_count());
+  EXPECT_THAT(Describe(*economy), ::testing::HasSubstr(std::to_string(economy->keyframes) + " redundant keyframes"));
+}
+
+TEST_P(Economy, WhatIsInUseStays) {
+  const FlownTwice flown(GetParam());
+  const std::vector<KeyframeId>& all = flown.world.KeyframesOf(kNewer);
+  const std::set<KeyframeId> in_use(all.begin(), all.end());
+  const auto economy = EconomizeMap(flown.merged, kMap, in_use, {}, {}, {});
+  ASSERT_TRUE(economy.has_value());
+  const Atlas after = Economized(flown.merged, *economy);
+  for (const KeyframeId id : in_use) EXPECT_NE(after.FindKeyframe(id), nullptr);
+  EXPECT_LT(after.keyframe_count(), flown.merged.keyframe_count());
+}
+
+TEST(EconomyOfAMap, AStopGivesNothing) {
+  const FlownTwice flown(1);
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_FALSE(EconomizeMap(flown.merged, kMap, {}, {}, {}, stop.get_token()).has_value());
+}
+
+TEST(EconomyAgendaTest, AMapIsWorthItOnceItWasWeldedAndAgainWhenItGrewOrWasLeft) {
+  SmallWorld world = RowOfThree();
+  EconomyAgenda agenda(0.5);
+  EXPECT_FALSE(agenda.Next(world.atlas, {})) << "nothing was seen twice";
+  world.Do(AddLoopEdge{K(3), K(1), {}});
+  const std::set<KeyframeId> in_use{K(3)};
+  EXPECT_EQ(agenda.Next(world.atlas, in_use), M(1));
+  agenda.Finish(M(1), world.atlas, in_use);
+  EXPECT_FALSE(agenda.Next(world.atlas, in_use));
+  EXPECT_EQ(agenda.Next(world.atlas, {}), M(1)) << "its agent left";
+  agenda.Finish(M(1), world.atlas, {});
+  world.Child(K(4), K(3));
+  EXPECT_FALSE(agenda.Next(world.atlas, {K(4)})) << "an agent works on what is new";
+  world.Child(K(5), K(4));
+  world.Child(K(6), K(5));
+  EXPECT_EQ(agenda.Next(world.atlas, {K(6)}), M(1));
+}
+
+}  // namespace
+}  // namespace pangaea::testing
