@@ -86,10 +86,10 @@ TEST(EconomyAgendaTest, AMapIsWorthItOnceItWasWeldedAndAgainWhenItGrewOrWasLeft)
   EXPECT_FALSE(agenda.Next(world.atlas, in_use));
   EXPECT_EQ(agenda.Next(world.atlas, {}), M(1)) << "its agent left";
   agenda.Finish(M(1), world.atlas, {});
-  world.Child(K(4), K(3));
+  world.Child(K(4), K(3), M(1));
   EXPECT_FALSE(agenda.Next(world.atlas, {K(4)})) << "an agent works on what is new";
-  world.Child(K(5), K(4));
-  world.Child(K(6), K(5));
+  world.Child(K(5), K(4), M(1));
+  world.Child(K(6), K(5), M(1));
   EXPECT_EQ(agenda.Next(world.atlas, {K(6)}), M(1));
 }
 
