@@ -94,6 +94,7 @@ Status ReadAgentConfig(const std::filesystem::path& path, AgentOptions& options)
   reader->Read("mapping.search_radius", &mapping.search.radius, Range{0.5, 100.0});
   reader->Read("mapping.redundant_ratio", &mapping.keyframe_culling.redundant_ratio, Range{0.1, 1.0});
   reader->Read("uplink.queue_batches", &options.uplink.queue_batches, Range{1, 10000});
+  reader->Read("uplink.min_observations", &options.uplink.edits.planner.min_observations, Range{1, 1000});
   reader->Read("uplink.envelope_bytes", &options.uplink.edits.envelope_bytes, Range{1000, 1000000});
   double patience_s = std::chrono::duration<double>(options.flush_patience).count();
   reader->Read("uplink.patience_s", &patience_s, Range{0.0, 86400.0});

@@ -60,14 +60,19 @@ bool MirrorUpdate::MatchVanished(LandmarkId id, std::set<LandmarkId>& landmarks)
   return true;
 }
 
-// False while the reference keyframe is not sent.
+// What a single keyframe shows is mostly gone a few keyframes later. Of a map's first keyframe it is all there is.
+bool MirrorUpdate::IsOnTrial(const Landmark& wanted) const {
+  return wanted.observations.size() < min_observations_ && agent_.FindKeyframe(wanted.reference)->parent.valid();
+}
+
+// False while the reference keyframe is not sent, or the landmark not confirmed.
 bool MirrorUpdate::MatchLandmark(LandmarkId id, std::set<LandmarkId>& landmarks) {
   const Landmark& wanted = *agent_.FindLandmark(id);
   if (!IsOwn(id)) return MatchGuest(wanted, landmarks);
   const bool has_reference = mirror_.FindKeyframe(wanted.reference) != nullptr;
   if (mirror_.FindLandmark(id) != nullptr) RemoveWrongObservations(wanted);
   if (mirror_.FindLandmark(id) == nullptr) {
-    if (!has_reference) return false;
+    if (!has_reference || IsOnTrial(wanted)) return false;
     if (!AddLandmarkItself(wanted, landmarks)) return true;
   }
   AddMissingObservations(wanted, landmarks);

@@ -44,14 +44,22 @@ std::vector<KeyframeId> MirrorUpdate::AddKeyframes(const std::vector<KeyframeId>
   std::vector<KeyframeId> added;
   for (const KeyframeId id : missing) {
     const Keyframe& keyframe = *agent_.FindKeyframe(id);
-    const Keyframe* parent = mirror_.FindKeyframe(keyframe.parent);
+    const Keyframe* parent = ParentInMirror(keyframe);
+    const KeyframeId parent_id = parent == nullptr ? keyframe.parent : parent->id;
     const Rigid3d camera_from_parent =
         parent == nullptr ? keyframe.camera_from_map : keyframe.camera_from_map * parent->camera_from_map.Inverse();
     const ReferenceScale scale{parent == nullptr ? 1.0 : parent->scale};
-    const bool taken = Emit(AddKeyframe{id, keyframe.map, keyframe.parent, camera_from_parent, keyframe.data, scale});
+    const bool taken = Emit(AddKeyframe{id, keyframe.map, parent_id, camera_from_parent, keyframe.data, scale});
     if (taken) added.push_back(id);
   }
   return added;
+}
+
+// A root that the agent culled before its heir was sent is still the mirror's: the heir hangs below it until it goes.
+const Keyframe* MirrorUpdate::ParentInMirror(const Keyframe& keyframe) const {
+  if (keyframe.parent.valid()) return mirror_.FindKeyframe(keyframe.parent);
+  const MapInfo* map = mirror_.FindMap(keyframe.map);
+  return map == nullptr ? nullptr : mirror_.FindKeyframe(map->root);
 }
 
 std::vector<LandmarkId> MirrorUpdate::RemoveKeyframes(const std::set<KeyframeId>& culled) {

@@ -24,15 +24,18 @@ struct MoveThresholds {
 // touched: of other sessions' landmarks the observations by its keyframes.
 class MirrorUpdate {
  public:
-  MirrorUpdate(SessionId session, const Atlas& agent, Atlas& mirror, std::vector<MapEdit>& edits)
-      : session_(session), agent_(agent), mirror_(mirror), edits_(edits) {}
+  // A new landmark with fewer than `min_observations` waits until it has as many, unless the first keyframe of a map
+  // sees it.
+  MirrorUpdate(SessionId session, const Atlas& agent, Atlas& mirror, std::vector<MapEdit>& edits,
+               std::size_t min_observations = 1)
+      : session_(session), agent_(agent), mirror_(mirror), edits_(edits), min_observations_(min_observations) {}
 
   // These and their ancestors, parents first. Returns those that were not there before.
   std::vector<KeyframeId> AddKeyframes(const std::vector<KeyframeId>& keyframes);
   // Removes those the agent culled, children before parents. Returns the landmarks they observed: match them next.
   std::vector<LandmarkId> RemoveKeyframes(const std::set<KeyframeId>& culled);
   // Fusions, removals, new landmarks, observations, reference keyframes; positions of new ones alone. Erases what is
-  // done from `landmarks`; what stays waits for its reference keyframe to be sent.
+  // done from `landmarks`; what stays waits for its reference keyframe to be sent, or for more observations.
   void MatchLandmarks(std::set<LandmarkId>& landmarks);
   void MoveKeyframes(const std::set<KeyframeId>& keyframes, const MoveThresholds& thresholds);
   void MoveLandmarks(const std::set<LandmarkId>& landmarks, const MoveThresholds& thresholds);
@@ -47,9 +50,11 @@ class MirrorUpdate {
   bool Emit(MapEdit edit);
 
  private:
+  const Keyframe* ParentInMirror(const Keyframe& keyframe) const;
   bool MatchLandmark(LandmarkId id, std::set<LandmarkId>& landmarks);
   bool MatchGuest(const Landmark& wanted, std::set<LandmarkId>& landmarks);
   bool MatchVanished(LandmarkId id, std::set<LandmarkId>& landmarks);
+  bool IsOnTrial(const Landmark& wanted) const;
   void RemoveWrongObservations(const Landmark& wanted);
   bool AddLandmarkItself(const Landmark& wanted, std::set<LandmarkId>& landmarks);
   void AddMissingObservations(const Landmark& wanted, std::set<LandmarkId>& landmarks);
@@ -65,6 +70,7 @@ class MirrorUpdate {
   const Atlas& agent_;
   Atlas& mirror_;
   std::vector<MapEdit>& edits_;
+  std::size_t min_observations_;
 };
 
 }  // namespace pangaea

@@ -37,7 +37,8 @@ UplinkPlan UplinkPlanner::Plan(const Atlas& snapshot, std::span<const MapEdit> a
   if (kind == PlanKind::kFlush || std::exchange(everything_is_new_, false)) MarkEverything(snapshot);
 
   UplinkPlan plan;
-  MirrorUpdate update(session_, snapshot, mirror_, plan.edits);
+  const std::size_t min_observations = kind == PlanKind::kFlush ? 1 : options_.min_observations;
+  MirrorUpdate update(session_, snapshot, mirror_, plan.edits, min_observations);
   const MoveThresholds thresholds = Thresholds(kind);
   update.MoveKeyframes(std::exchange(moved_keyframes_, {}), thresholds);
   const std::vector<KeyframeId> added = update.AddKeyframes(Settled(snapshot, kind));

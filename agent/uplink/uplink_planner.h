@@ -23,6 +23,9 @@ struct UplinkPlannerOptions {
   // distance to its reference keyframe: 0.002 is about a pixel at a focal length of 450 pixels.
   double landmark_move_m = 0.001;
   double landmark_move_fraction = 0.002;
+  // A new landmark with fewer observations is not sent before the flush: half of what one keyframe alone sees fails its
+  // trial (LandmarkTrials) a few keyframes later.
+  std::uint32_t min_observations = 2;
 
   Status Check() const;
 };

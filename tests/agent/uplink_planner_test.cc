@@ -112,6 +112,23 @@ TEST(UplinkPlanner, AKeyframeIsSentOnceWhenItLeftTheWindow) {
   EXPECT_TRUE(line.Plan(planner).edits.empty());
 }
 
+TEST(UplinkPlanner, ALandmarkThatOneKeyframeAloneSeesIsSentWhenAnotherSeesItOrWithTheFlush) {
+  Line line;
+  UplinkPlanner planner({}, kSession);
+  for (int i = 0; i < 6; ++i) line.Add();
+  // Of the settled keyframes the first one begins the map.
+  UplinkPlan plan = line.Plan(planner);
+  EXPECT_EQ(CountOf<AddKeyframe>(plan), 3U);
+  EXPECT_EQ(CountOf<AddLandmark>(plan), 1U);
+  line.Do(AddObservation{{kSession, 2}, {kSession, 3}, 1});
+  plan = line.Plan(planner);
+  EXPECT_EQ(CountOf<AddLandmark>(plan), 1U);
+  EXPECT_EQ(CountOf<AddObservation>(plan), 1U);
+  line.Do(RemoveLandmark{{kSession, 3}});
+  EXPECT_TRUE(line.Plan(planner).edits.empty());
+  EXPECT_EQ(CountOf<AddLandmark>(line.Plan(planner, PlanKind::kFlush)), 3U);
+}
+
 TEST(UplinkPlanner, FramesOfAStandingCameraSettleTheLastKeyframeAfterFiveSeconds) {
   Line line;
   UplinkPlanner planner({}, kSession);
@@ -136,6 +153,17 @@ TEST(UplinkPlanner, AKeyframeCulledBeforeItSettledIsNeverSentButItsFrameIs) {
   EXPECT_EQ(CountOf<AddFramePoses>(plan), 1U);
 }
 
+TEST(UplinkPlanner, ARootCulledBeforeItsHeirWasSentPassesOn) {
+  Line line;
+  UplinkPlanner planner({}, kSession);
+  for (int i = 0; i < 4; ++i) line.Add();
+  EXPECT_EQ(CountOf<AddKeyframe>(line.Plan(planner)), 1U);
+  line.Do(RemoveKeyframe{{kSession, 1}});
+  line.Plan(planner, PlanKind::kFlush);
+  EXPECT_EQ(Digest(planner.mirror()), Digest(line.atlas));
+  EXPECT_EQ(planner.mirror().FindMap({kSession, 1})->root, (KeyframeId{kSession, 2}));
+}
+
 TEST(UplinkPlanner, AKeyframeCulledAfterItWasSentIsRemovedAndForwards) {
   Line line;
   UplinkPlanner planner({}, kSession);
@@ -148,7 +176,9 @@ TEST(UplinkPlanner, AKeyframeCulledAfterItWasSentIsRemovedAndForwards) {
 
 TEST(UplinkPlanner, ASentLandmarkThatIsFusedForwardsToItsAbsorberAtTheServer) {
   Line line;
-  UplinkPlanner planner({}, kSession);
+  UplinkPlannerOptions options;
+  options.min_observations = 1;
+  UplinkPlanner planner(options, kSession);
   for (int i = 0; i < 5; ++i) line.Add();
   EXPECT_EQ(CountOf<AddLandmark>(line.Plan(planner)), 2U);
   line.Do(FuseLandmarks{{kSession, 1}, {kSession, 2}});
