@@ -78,6 +78,7 @@ Status ReadAgentConfig(const std::filesystem::path& path, AgentOptions& options)
   reader->Read("monocular.min_parallax", &start.two_view.min_parallax, Range{0.1, 20.0});
   reader->Read("monocular.min_points", &start.two_view.min_points, Range{20, 5000});
   reader->Read("monocular.confirmations", &start.confirmations, Range{1, 100});
+  reader->Read("monocular.features", &tracking.monocular_features, Range{100, 10000});
   KeyframeDecisionOptions& monocular = tracking.monocular_keyframes;
   reader->Read("monocular.min_coverage_ratio", &monocular.min_coverage_ratio, Range{0.1, 1.0});
   reader->Read("monocular.min_inlier_ratio", &monocular.min_inlier_ratio, Range{0.1, 1.0});

@@ -48,7 +48,10 @@ KeyframeId BestReference(const Atlas& atlas, const LocatedFrame& located, const 
 }
 
 TrackingOptions ForSensor(TrackingOptions options, const IdealCamera& camera) {
-  if (!camera.is_stereo()) options.keyframes = options.monocular_keyframes;
+  if (!camera.is_stereo()) {
+    options.keyframes = options.monocular_keyframes;
+    options.orb.features = options.monocular_features;
+  }
   return options;
 }
 
@@ -59,7 +62,7 @@ Tracker::Tracker(SessionId session, const IdealCamera& camera, const TrackingOpt
     : session_(session),
       camera_(camera),
       options_(ForSensor(options, camera)),
-      builder_(camera, options.orb, options.stereo),
+      builder_(camera, options_.orb, options.stereo),
       decision_(options_.keyframes),
       monocular_start_(camera, options.monocular_start,
                        {options.search.alignment, options.sparse_alignment, options.search.patch_sigma}, seed),
