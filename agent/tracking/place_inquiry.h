@@ -18,7 +18,8 @@ struct PlaceHint {
 class PlaceInquiry {
  public:
   // The number of the request to send about a frame that no map of the agent knows; nothing where it is too early: one
-  // request is under way and not older than half a second, or the server has just said that it does not know the place.
+  // request is under way and not older than half a second, or the server has just said that it does not know the place,
+  // or that it does: the place is on its way then.
   std::optional<std::uint64_t> Ask(std::int64_t stamp_ns);
   // Where the camera was, if the answer says so and is to a question of this loss.
   std::optional<PlaceHint> Take(const RelocalizationAnswer& answer);
@@ -30,6 +31,7 @@ class PlaceInquiry {
   std::uint64_t ended_ = 0;               // requests up to here are of earlier losses
   std::optional<std::int64_t> asked_ns_;  // when that was; none: nothing was asked in this loss
   bool answered_ = false;                 // that one was
+  bool known_ = false;                    // ... or an earlier one since, and the place is on its way
 };
 
 }  // namespace pangaea

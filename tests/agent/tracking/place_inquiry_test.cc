@@ -33,6 +33,14 @@ TEST(PlaceInquiry, AnAnswerToAnOlderQuestionOfTheSameLossStillSaysWhereTheCamera
   EXPECT_FALSE(inquiry.Ask(700 * kMillisecond)) << "the newest is still under way";
 }
 
+TEST(PlaceInquiry, WhileAPlaceIsOnItsWayItDoesNotAskForAnother) {
+  PlaceInquiry inquiry;
+  inquiry.Ask(0);
+  ASSERT_TRUE(inquiry.Take(Answer(1, true)));
+  EXPECT_FALSE(inquiry.Ask(900 * kMillisecond));
+  EXPECT_EQ(inquiry.Ask(1000 * kMillisecond), 2U);
+}
+
 TEST(PlaceInquiry, AnAnswerThatComesAfterTheCameraWasFoundMeansNothing) {
   PlaceInquiry inquiry;
   inquiry.Ask(0);
