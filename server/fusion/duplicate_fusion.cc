@@ -7,6 +7,14 @@
 #include "common/mapping/measurement_noise.h"
 
 namespace pangaea {
+namespace {
+
+std::vector<KeyframeId> Nearest(const std::vector<KeyframeId>& side, std::size_t count) {
+  return {side.begin(), side.begin() + static_cast<std::ptrdiff_t>(std::min(count, side.size()))};
+}
+
+}  // namespace
+
 DuplicateFusion::DuplicateFusion(const std::vector<KeyframeId>& trusted, const LandmarkSearchOptions& options,
                                  WeldingDraft& draft)
     : trusted_(trusted.begin(), trusted.end()), options_(options), draft_(draft), atlas_(draft.welded()) {}
@@ -85,15 +93,17 @@ void DuplicateFusion::AddViews(const Landmark& landmark, std::vector<PointView>&
 }
 
 void FuseAcrossSeam(const WeldingWindow& window, const std::vector<std::pair<LandmarkId, LandmarkId>>& pairs,
-                    const LandmarkSearchOptions& options, WeldingDraft& draft) {
+                    std::size_t searched, const LandmarkSearchOptions& options, WeldingDraft& draft) {
   std::vector<KeyframeId> trusted = window.kept;
   for (const auto* part : {&window.moved, &window.fixed}) trusted.insert(trusted.end(), part->begin(), part->end());
   DuplicateFusion fusion(trusted, options, draft);
   fusion.FusePairs(pairs);
-  const std::vector<LandmarkId> of_moved = LandmarksSeenBy(draft.welded(), window.moved);
-  for (const KeyframeId id : window.kept) fusion.SearchIn(id, of_moved);
-  const std::vector<LandmarkId> of_kept = LandmarksSeenBy(draft.welded(), window.kept);
-  for (const KeyframeId id : window.moved) fusion.SearchIn(id, of_kept);
+  const std::vector<KeyframeId> kept = Nearest(window.kept, searched);
+  const std::vector<KeyframeId> moved = Nearest(window.moved, searched);
+  const std::vector<LandmarkId> of_moved = LandmarksSeenBy(draft.welded(), moved);
+  for (const KeyframeId id : kept) fusion.SearchIn(id, of_moved);
+  const std::vector<LandmarkId> of_kept = LandmarksSeenBy(draft.welded(), kept);
+  for (const KeyframeId id : moved) fusion.SearchIn(id, of_kept);
 }
 
 std::vector<LandmarkId> CommonLandmarks(const Atlas& atlas, const WeldingWindow& window) {

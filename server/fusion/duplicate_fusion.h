@@ -44,10 +44,11 @@ class DuplicateFusion {
 };
 
 // Makes of both sides' landmarks one set (Elvira et al. 2019, section "Seamless map merging", step 3): first the pairs
-// of the match, then the landmarks of each side are looked for in the keyframes of the other. What lies beyond the
-// moved side of a loop is where it drifted to: its views do not count.
+// of the match, then the landmarks of each side are looked for in the keyframes of the other, on both sides of the
+// `searched` keyframes nearest the seam. What lies beyond the moved side of a loop is where it drifted to: its views do
+// not count.
 void FuseAcrossSeam(const WeldingWindow& window, const std::vector<std::pair<LandmarkId, LandmarkId>>& pairs,
-                    const LandmarkSearchOptions& options, WeldingDraft& draft);
+                    std::size_t searched, const LandmarkSearchOptions& options, WeldingDraft& draft);
 
 // The landmarks that keyframes of both sides see, ascending.
 std::vector<LandmarkId> CommonLandmarks(const Atlas& atlas, const WeldingWindow& window);

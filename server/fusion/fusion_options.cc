@@ -9,6 +9,7 @@ Status FusionOptions::Check() const {
   check.In("noise.pixel_sigma", noise.pixel_sigma, 0.01, 100)
       .In("noise.max_depth_baselines", noise.max_depth_baselines, 1, 10000)
       .In("window.keyframes", window.keyframes, 1, 200)
+      .In("window.searched", window.searched, 1, 200)
       .In("window.fixed_keyframes", window.fixed_keyframes, 0, 10000)
       .In("first_radius", first_radius, 0.5, 100)
       .In("second_radius", second_radius, 0.5, 100)

@@ -12,6 +12,9 @@ struct WeldingWindowOptions {
   // Keyframes on each side of the seam that are adjusted together (Elvira et al. 2019, section "Seamless map merging":
   // those covisible with the matched ones).
   std::size_t keyframes = 25;
+  // Of those, so many nearest the seam on each side look for the landmarks of as many on the other side (count): the
+  // search grows with their square, and what lies further off is found later, all along the map (FuseDuplicates).
+  std::size_t searched = 10;
   // Keyframes around the older side that see its landmarks and are held fixed (count; those with most of them).
   std::size_t fixed_keyframes = 30;
 };

@@ -91,7 +91,9 @@ class Welding {
     draft_.Transform(window_.moved, landmarks, seam_.kept_from_moved);
   }
 
-  void Fuse(double radius) { FuseAcrossSeam(window_, seam_.landmarks, SearchWithin(options_, radius), draft_); }
+  void Fuse(double radius) {
+    FuseAcrossSeam(window_, seam_.landmarks, options_.window.searched, SearchWithin(options_, radius), draft_);
+  }
 
   std::optional<WeldingRefusalReason> Judge(const SeamAdjustment& adjustment) {
     evidence_.after = MeasureResidual(adjustment.bundle, adjustment.bundle.landmarks);

@@ -5,14 +5,10 @@
 #include <utility>
 
 #include "server/atlas/welding_edits.h"
-#include "server/runtime/thread_priority.h"
 #include "server/runtime/unix_clock.h"
 
 namespace pangaea {
 namespace {
-
-// Welds are rare and short, and agents wait for them: before recognition, whose backlog would starve them.
-constexpr int kNice = 2;
 
 bool IsMerge(const PlaceMatch& match, const Atlas& atlas) {
   const Keyframe* query = atlas.FindKeyframe(atlas.Resolve(match.query));
@@ -60,7 +56,7 @@ void WeldingThread::Add(PlaceMatch match) {
 }
 
 void WeldingThread::Run(const std::stop_token& stop) {
-  StandBack(kNice);
+  // It stands back for nobody: welds are rare and short, and agents wait for them.
   while (bell_.Wait(stop)) {
     while (!stop.stop_requested()) {
       const auto state = service_.State();

@@ -1,9 +1,9 @@
 // What the server's economy makes of a recorded store, step by step, with sizes, errors and CPU time after each:
 //   economy_replay atlas.db STEP... -- NAME=DATASET...
-// Steps: weld (look up every keyframe, weld what is recognised), optimize (duplicates along the map, global bundle
-// adjustment), economize (what a map needs no longer), fuse:RADIUS:DISTANCE:RATIO (duplicates alone),
-// thin:KEPT:KEPT_IN_CELL:MAX_OBSERVERS (weak landmarks), cull (redundant keyframes), count (by how many keyframes
-// landmarks are seen).
+// Steps: weld[:SEARCHED:KEYFRAMES] (look up every keyframe, weld what is recognised, with such windows), optimize
+// (duplicates along the map, global bundle adjustment), economize (what a map needs no longer),
+// fuse:RADIUS:DISTANCE:RATIO (duplicates alone), thin:KEPT:KEPT_IN_CELL:MAX_OBSERVERS (weak landmarks), cull (redundant
+// keyframes), count (by how many keyframes landmarks are seen).
 #include <cstdio>
 #include <ctime>
 #include <map>
@@ -70,7 +70,7 @@ class Replay {
     if (step == "optimize") Optimize();
     if (step == "cull") Cull();
     if (step == "economize") Economize();
-    if (step == "weld") Weld();
+    if (step.starts_with("weld")) Weld(step);
     if (step.starts_with("thin:")) Thin(step);
     if (step.starts_with("fuse:")) FuseAll(step);
     Report(step, CpuSeconds() - begin);
@@ -120,7 +120,9 @@ class Replay {
   }
 
   // As the server would: each keyframe is looked up, what is found is welded at once.
-  void Weld() {
+  void Weld(const std::string& step) {
+    FusionOptions fusion;
+    std::sscanf(step.c_str(), "weld:%zu:%zu", &fusion.window.searched, &fusion.window.keyframes);
     auto vocabulary = OpenVocabulary();
     PlaceRecognizer recognizer(*vocabulary, {});
     WeldingAgenda agenda({}, {});
@@ -131,7 +133,7 @@ class Replay {
       for (PlaceMatch& match : recognizer.Recognize(atlas(), id, stages).matches) agenda.Add(std::move(match));
       while (auto match = agenda.Next(atlas(), [](MapId) { return false; })) {
         const double begin = CpuSeconds();
-        const auto plan = PlanWelding(atlas(), *match, {}, {});
+        const auto plan = PlanWelding(atlas(), *match, fusion, {});
         const double planned = CpuSeconds();
         if (!plan) {
           std::printf("  %5.0f ms %s\n", 1e3 * (planned - begin), Describe(plan.error()).c_str());
