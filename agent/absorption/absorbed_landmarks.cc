@@ -61,7 +61,19 @@ class LandmarkAbsorption {
       draft_.Emit(RemoveObservation{giving_way, seat.keyframe});
       if (Seat(listed, seat)) return true;
     }
-    return false;
+    return std::ranges::any_of(seats, [&](const Observation& seat) { return SeatInPlace(listed, seat); });
+  }
+
+  // In place of what the agent saw there later than the server saw the landmark. Without it the agent would seem to
+  // have removed the landmark, and the two would never agree again.
+  bool SeatInPlace(const PieceLandmark& listed, const Observation& seat) {
+    const LandmarkId holder = At(seat);
+    if (!holder.valid() || FindIn(piece_, holder) != nullptr || WasTold(seat, holder)) return false;
+    const bool made_there = WasMadeAt(seat, holder);
+    draft_.Emit(RemoveObservation{holder, seat.keyframe});
+    if (!Seat(listed, seat)) return false;
+    if (made_there && atlas().FindLandmark(holder) != nullptr) draft_.Emit(FuseLandmarks{listed.id, holder});
+    return true;
   }
 
   bool Seat(const PieceLandmark& listed, const Observation& seat) {
@@ -113,14 +125,18 @@ class LandmarkAbsorption {
     }
   }
 
+  // Whether the server was told of the landmark as one made at that keypoint, and has it no more.
+  bool WasMadeAt(const Observation& seat, LandmarkId landmark) const {
+    const Landmark* told = draft_.input().base.FindLandmark(landmark);
+    return told != nullptr && told->reference == seat.keyframe && FindIn(piece_, landmark) == nullptr;
+  }
+
   // What the keypoint shows here came to the server too late, when it showed `landmark` there already. One that was
   // made at this keypoint is that landmark to the server (AddLandmark); then true: nothing is left to do.
   bool MakeRoom(const Observation& observation, LandmarkId landmark) {
     const LandmarkId holder = At(observation);
     if (!holder.valid()) return false;
-    const Landmark* told = draft_.input().base.FindLandmark(holder);
-    const bool made_here = told != nullptr && told->reference == observation.keyframe;
-    if (made_here && FindIn(piece_, holder) == nullptr && draft_.Emit(FuseLandmarks{landmark, holder})) return true;
+    if (WasMadeAt(observation, holder) && draft_.Emit(FuseLandmarks{landmark, holder})) return true;
     draft_.Emit(RemoveObservation{holder, observation.keyframe});
     return false;
   }
