@@ -29,7 +29,9 @@ class Destinations {
   const Destination& Choose(const Keyframe& keyframe) {
     const PieceKeyframe* listed = FindIn(piece_, keyframe.id);
     const GoneKeyframe* gone = FindGone(piece_, keyframe.id);
-    Destination chosen = listed != nullptr ? Listed(keyframe, *listed) : Unlisted(keyframe);
+    // A guest to be let go takes the frames that hang on it along.
+    const bool follows = draft_.IsOwn(keyframe.id) || (gone != nullptr && !gone->camera_from_map);
+    Destination chosen = listed != nullptr ? Listed(keyframe, *listed) : Unlisted(keyframe, follows);
     if (gone != nullptr && gone->camera_from_map) chosen = {*gone->camera_from_map, 1.0, true, true};
     chosen.moves = chosen.moves && !(SameBits(chosen.camera_from_map, keyframe.camera_from_map) &&
                                      chosen.scale == 1.0 && chosen.corrected == (keyframe.corrected_at != 0));
@@ -50,9 +52,9 @@ class Destinations {
     return {ScaleLengths(now_from_told, scale) * listed.camera_from_map, scale, true, false};
   }
 
-  Destination Unlisted(const Keyframe& keyframe) const {
+  Destination Unlisted(const Keyframe& keyframe, bool follows) const {
     const Destination stays{keyframe.camera_from_map, 1.0, false, keyframe.corrected_at != 0};
-    const Keyframe* parent = draft_.IsOwn(keyframe.id) ? before_.FindKeyframe(keyframe.parent) : nullptr;
+    const Keyframe* parent = follows ? before_.FindKeyframe(keyframe.parent) : nullptr;
     if (parent == nullptr) return stays;
     const auto above = chosen_.find(parent->id);
     if (above == chosen_.end() || !above->second.moves) return stays;

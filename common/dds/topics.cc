@@ -108,6 +108,20 @@ struct Idl<RelocalizationAnswer> {
     return value;
   }
 };
+template <>
+struct Idl<UndoRequest> {
+  using Sample = pangaea_wire_UndoRequest;
+  static constexpr TopicDescription kTopic{"pangaea_undo_requests", &pangaea_wire_UndoRequest_desc, true, false,
+                                           kKeepAll};
+  static UndoRequest Key(const Sample& sample) { return {sample.request, {}}; }
+};
+template <>
+struct Idl<UndoAnswer> {
+  using Sample = pangaea_wire_UndoAnswer;
+  static constexpr TopicDescription kTopic{"pangaea_undo_answers", &pangaea_wire_UndoAnswer_desc, true, false,
+                                           kKeepAll};
+  static UndoAnswer Key(const Sample& sample) { return {sample.request, false, {}}; }
+};
 
 }  // namespace
 
@@ -156,5 +170,7 @@ template struct TopicTraits<CorrectionPart>;
 template struct TopicTraits<MapInterest>;
 template struct TopicTraits<RelocalizationRequest>;
 template struct TopicTraits<RelocalizationAnswer>;
+template struct TopicTraits<UndoRequest>;
+template struct TopicTraits<UndoAnswer>;
 
 }  // namespace pangaea

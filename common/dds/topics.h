@@ -12,6 +12,7 @@
 #include "common/wire/map_interest.h"
 #include "common/wire/relocalization.h"
 #include "common/wire/session_announcement.h"
+#include "common/wire/undo.h"
 
 namespace pangaea {
 
@@ -45,5 +46,7 @@ extern template struct TopicTraits<CorrectionPart>;
 extern template struct TopicTraits<MapInterest>;
 extern template struct TopicTraits<RelocalizationRequest>;
 extern template struct TopicTraits<RelocalizationAnswer>;
+extern template struct TopicTraits<UndoRequest>;
+extern template struct TopicTraits<UndoAnswer>;
 
 }  // namespace pangaea

@@ -78,11 +78,14 @@ MapPiece CutPiece(const Atlas& atlas, const PieceSelection& selection) {
       piece.removed.push_back(id);
     }
   }
-  std::vector<KeyframeId> culled = selection.culled;
-  SortUnique(culled);
-  for (const KeyframeId id : culled) {
+  piece.removed.insert(piece.removed.end(), selection.released_landmarks.begin(), selection.released_landmarks.end());
+  for (const KeyframeId id : selection.culled) {
     if (atlas.FindKeyframe(id) == nullptr && atlas.Knows(id)) piece.culled.push_back({id, PoseOf(atlas, id)});
   }
+  for (const KeyframeId id : selection.released) piece.culled.push_back({id, std::nullopt});
+  std::ranges::sort(piece.culled, {}, &GoneKeyframe::id);
+  const auto equal = std::ranges::unique(piece.culled, {}, &GoneKeyframe::id);
+  piece.culled.erase(equal.begin(), equal.end());
   return piece;
 }
 

@@ -37,7 +37,8 @@ struct PieceLandmark {
 
 struct GoneKeyframe {
   KeyframeId id;
-  // Where it would be: late edits measure from it. None where its map is gone, too.
+  // Where it would be: late edits measure from it. None where its map is gone, too, and for a guest that lives in a map
+  // which has nothing to do with the receiver any more: it goes with the keyframe it hangs on, and then away.
   std::optional<Rigid3d> camera_from_map;
 };
 
@@ -77,6 +78,9 @@ struct PieceSelection {
   // something that is gone count as removed; ids that are alive are left out.
   std::vector<LandmarkId> former_landmarks;
   std::vector<KeyframeId> culled;
+  // Guests that live in another map by now, and their landmarks: the receiver is to let them go.
+  std::vector<KeyframeId> released = {};
+  std::vector<LandmarkId> released_landmarks = {};
 };
 MapPiece CutPiece(const Atlas& atlas, const PieceSelection& selection);
 // Several pieces, which share one table of sessions.

@@ -24,6 +24,7 @@ enum class AtlasEventKind : std::uint32_t {
   kWeldRefused = 12,     // a merge or loop that was recognised, but did not hold
   kRelocalized = 13,     // a lost agent's frame was found in the atlas
   kNotRelocalized = 14,  // it was not; the first of those in a row
+  kUndone = 15,          // an operator took a merge or loop back
 };
 
 struct AtlasEvent {

@@ -235,4 +235,20 @@ Result<AtlasEvent> FromIdl(const pangaea_wire_AtlasEvent& sample) {
                     sample.stamp_ns};
 }
 
+pangaea_wire_UndoRequest BorrowAsIdl(const UndoRequest& value) { return {value.request, Borrow(value.cause)}; }
+
+Result<UndoRequest> FromIdl(const pangaea_wire_UndoRequest& sample) {
+  auto cause = ReadText(sample.cause, "the cause to undo");
+  if (!cause) return tl::make_unexpected(cause.error());
+  return UndoRequest{sample.request, std::move(*cause)};
+}
+
+pangaea_wire_UndoAnswer BorrowAsIdl(const UndoAnswer& value) { return {value.request, value.done, Borrow(value.text)}; }
+
+Result<UndoAnswer> FromIdl(const pangaea_wire_UndoAnswer& sample) {
+  auto text = ReadText(sample.text, "the answer");
+  if (!text) return tl::make_unexpected(text.error());
+  return UndoAnswer{sample.request, sample.done, std::move(*text)};
+}
+
 }  // namespace pangaea

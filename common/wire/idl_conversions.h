@@ -13,6 +13,7 @@
 #include "common/wire/map_interest.h"
 #include "common/wire/relocalization.h"
 #include "common/wire/session_announcement.h"
+#include "common/wire/undo.h"
 #include "idl/agent_state.h"
 #include "idl/atlas_events.h"
 #include "idl/atlas_status.h"
@@ -22,6 +23,7 @@
 #include "idl/map_interest.h"
 #include "idl/relocalization.h"
 #include "idl/session.h"
+#include "idl/undo.h"
 
 namespace pangaea {
 
@@ -45,6 +47,8 @@ pangaea_wire_CorrectionPart BorrowAsIdl(const CorrectionPart& value);
 pangaea_wire_MapInterest BorrowAsIdl(const MapInterest& value, std::vector<pangaea_wire_ItemId>& guests);
 pangaea_wire_RelocalizationRequest BorrowAsIdl(const RelocalizationRequest& value, std::vector<std::byte>& octets);
 pangaea_wire_RelocalizationAnswer BorrowAsIdl(const RelocalizationAnswer& value);
+pangaea_wire_UndoRequest BorrowAsIdl(const UndoRequest& value);
+pangaea_wire_UndoAnswer BorrowAsIdl(const UndoAnswer& value);
 
 // kInvalidArgument for numbers no peer of ours would send. Null texts (of older peers) read as empty. An envelope's
 // contents are not judged here: CheckEnvelope does.
@@ -58,6 +62,8 @@ Result<CorrectionPart> FromIdl(const pangaea_wire_CorrectionPart& sample);
 Result<MapInterest> FromIdl(const pangaea_wire_MapInterest& sample);
 Result<RelocalizationRequest> FromIdl(const pangaea_wire_RelocalizationRequest& sample);
 Result<RelocalizationAnswer> FromIdl(const pangaea_wire_RelocalizationAnswer& sample);
+Result<UndoRequest> FromIdl(const pangaea_wire_UndoRequest& sample);
+Result<UndoAnswer> FromIdl(const pangaea_wire_UndoAnswer& sample);
 // Shared by the files that convert.
 pangaea_wire_RigidPose ToIdl(const Rigid3d& pose);
 Result<Rigid3d> ReadPose(const pangaea_wire_RigidPose& sample, const char* what);

@@ -15,7 +15,7 @@ struct KnownState {
 
 // Landmarks that the keyframes observe and that are not as the receiver knows them, ascending: new to it, seen by
 // others, measured from another reference, or elsewhere in the camera frame of their reference; and those that the
-// receiver believes they observe while they do not any more. Nothing known: those of
+// receiver believes they observe while they do not any more, of whatever map. Nothing known: those of
 // keyframes that a correction has placed, and all of `fresh`. Of keyframes that are `fresh` to it, all.
 std::vector<LandmarkId> ChangedLandmarks(const Atlas& atlas, const KnownState& known,
                                          const std::vector<KeyframeId>& keyframes, const std::set<KeyframeId>& fresh);

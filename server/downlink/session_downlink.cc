@@ -99,6 +99,20 @@ std::vector<KeyframeId> SessionDownlink::NewGuests(const Atlas& atlas) const {
   return guests;
 }
 
+bool SessionDownlink::HasPartIn(const Atlas& atlas, MapId map) const {
+  bool found = false;
+  atlas.ForEachKeyframe(session_, [&](const Keyframe& keyframe) { found = found || keyframe.map == map; });
+  return found;
+}
+
+// Whether an undo took the guest's map apart from the session's since it was last told.
+bool SessionDownlink::WasSeparated(const Atlas& atlas, KeyframeId guest) const {
+  const Keyframe* before = confirmed_ ? confirmed_->atlas.FindKeyframe(guest) : nullptr;
+  const Keyframe* now = atlas.FindKeyframe(guest);
+  return before != nullptr && now != nullptr && HasPartIn(confirmed_->atlas, before->map) &&
+         !HasPartIn(atlas, now->map);
+}
+
 // All keyframes of the session in the map, what it holds of others, and what is new to it. A keyframe without its
 // features is 60 bytes: which of them the agent knows in which state is not worth finding out.
 MapPiece SessionDownlink::PieceOf(MapId map, const SessionView& view, const std::vector<KeyframeId>& new_guests) const {
@@ -109,7 +123,7 @@ MapPiece SessionDownlink::PieceOf(MapId map, const SessionView& view, const std:
   selection.map = map;
   const auto is_here = [&](KeyframeId id) {
     const Keyframe* keyframe = atlas.FindKeyframe(id);
-    return keyframe != nullptr && keyframe->map == map;
+    return keyframe != nullptr && keyframe->map == map && !WasSeparated(atlas, id);
   };
   atlas.ForEachKeyframe(session_, [&](const Keyframe& keyframe) {
     if (keyframe.map == map) selection.keyframes.push_back(keyframe.id);
@@ -119,7 +133,13 @@ MapPiece SessionDownlink::PieceOf(MapId map, const SessionView& view, const std:
   std::ranges::copy_if(new_guests, std::back_inserter(selection.keyframes), is_here);
   selection.landmarks = ChangedLandmarks(atlas, known, selection.keyframes, {new_guests.begin(), new_guests.end()});
   selection.former_landmarks = FormerLandmarks(atlas, known, session_);
+  std::ranges::copy_if(selection.landmarks, std::back_inserter(selection.released_landmarks),
+                       [&](LandmarkId id) { return atlas.MapOf(*atlas.FindLandmark(id)) != map; });
   selection.culled = GoneKeyframes(atlas, known, session_, interest_->guests);
+  if (HasPartIn(atlas, map)) {
+    std::ranges::copy_if(interest_->guests, std::back_inserter(selection.released),
+                         [&](KeyframeId id) { return WasSeparated(atlas, id); });
+  }
   return CutPiece(atlas, selection);
 }
 

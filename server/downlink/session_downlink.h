@@ -60,6 +60,8 @@ class SessionDownlink {
   std::vector<MapId> ConcernedMaps(const Atlas& atlas) const;
   std::vector<KeyframeId> NewGuests(const Atlas& atlas) const;
   bool IsConcerned(const SessionView& view) const;
+  bool HasPartIn(const Atlas& atlas, MapId map) const;
+  bool WasSeparated(const Atlas& atlas, KeyframeId guest) const;
   MapPiece PieceOf(MapId map, const SessionView& view, const std::vector<KeyframeId>& new_guests) const;
 
   SessionId session_;

@@ -99,6 +99,13 @@ ProposalAnswer AtlasService::ProposeAndWait(EditsProposed proposal) {
   return promise.get_future().get();
 }
 
+Result<UndoReport> AtlasService::Undo(const std::string& cause) {
+  std::promise<Result<UndoReport>> promise;
+  const auto answer = [&promise](const Result<UndoReport>& report) { promise.set_value(report); };
+  if (!queue_.Push(UndoWanted{cause, answer})) return Fail(ErrorCode::kUnavailable, "the server stops");
+  return promise.get_future().get();
+}
+
 void AtlasService::Note(WorkTime time) {
   constexpr std::size_t kMostWaiting = 10'000;  // while the store takes nothing
   MutexLock lock(times_mutex_);
@@ -118,13 +125,54 @@ void AtlasService::SetStoreQuota(std::uint64_t max_bytes) { (void)queue_.Push(Ne
 
 void AtlasService::Run() {
   while (auto job = queue_.Pop()) {
+    if (const auto* undo = std::get_if<UndoWanted>(&*job)) {
+      undo->answer(TakeBack(undo->cause));
+      continue;
+    }
     std::vector<Job> jobs = NextJobs(std::move(*job));
+    std::vector<UndoWanted> undos;
+    for (Job& wanted : jobs) {
+      if (auto* undo = std::get_if<UndoWanted>(&wanted)) undos.push_back(std::move(*undo));
+    }
     if (failed_) {
       Decline(jobs, "the server cannot go on");
     } else {
       RunRound(std::move(jobs));
     }
+    for (const UndoWanted& undo : undos) undo.answer(TakeBack(undo.cause));
   }
+}
+
+Result<UndoReport> AtlasService::TakeBack(const std::string& cause) {
+  if (failed_) return Fail(ErrorCode::kUnavailable, "the server cannot go on");
+  if (!current_.store_error.empty()) {
+    return Fail(ErrorCode::kUnavailable, "the store takes nothing: " + current_.store_error);
+  }
+  // It writes to the same store, and what it has to write may be what is taken back.
+  snapshots_->Stop();
+  auto report = UndoCause(store_, cause, UnixNanoseconds());
+  if (const Status reloaded = Reload(); !reloaded) {
+    failed_ = true;
+    output_.fail(reloaded.error());
+    return tl::make_unexpected(reloaded.error());
+  }
+  if (!report) return report;
+  current_.ingest.correction = std::max(current_.ingest.correction, report->position);
+  PublishState();
+  Report({{}, AtlasEventKind::kUndone, Describe(cause, *report), 0, 0});
+  output_.changed();
+  return report;
+}
+
+Status AtlasService::Reload() {
+  auto snapshots = SnapshotStore::Open(store_.path(), options_.store.max_bytes, options_.retention);
+  if (!snapshots) return tl::make_unexpected(snapshots.error());
+  auto recovered = RecoverAtlas(store_);
+  if (!recovered) return tl::make_unexpected(recovered.error());
+  current_.ingest.atlas = std::move(recovered->atlas);
+  current_.ingest.position = recovered->position;
+  snapshots_->Restart(std::move(*snapshots), recovered->snapshot_position);
+  return {};
 }
 
 std::vector<AtlasService::Job> AtlasService::NextJobs(Job first) {

@@ -22,6 +22,7 @@
 #include "server/runtime/snapshot_thread.h"
 #include "server/storage/recovery.h"
 #include "server/storage/store.h"
+#include "server/storage/undo.h"
 
 namespace pangaea {
 
@@ -70,6 +71,10 @@ class AtlasService {
   ProposalAnswer ProposeAndWait(EditsProposed proposal);
   // Any thread: acknowledges to every living session once more what it has; acks carry more than numbers.
   void AcknowledgeAgain();
+  // Any thread but the atlas thread: takes a cause back (server/storage/undo.h) and goes on with the atlas without it.
+  // Nothing that was planned on the atlas before may be proposed afterwards: stop the work on it first. Errors as
+  // UndoCause; kUnavailable after Stop() and while the store takes nothing.
+  Result<UndoReport> Undo(const std::string& cause);
   // Any thread: kept in the store with what is committed next, at the next Tick at the latest.
   void Note(WorkTime time) EXCLUDES(times_mutex_);
   // Any thread, about once a second: the sizes in the state are measured anew, and a full store is tried again.
@@ -102,13 +107,20 @@ class AtlasService {
     EditsProposed proposal;
     Answer answer;
   };
-  using Job = std::variant<Arrival, Proposed, Ticked, AckWanted, NewQuota>;
+  struct UndoWanted {
+    std::string cause;
+    std::function<void(const Result<UndoReport>&)> answer;
+  };
+  using Job = std::variant<Arrival, Proposed, Ticked, AckWanted, NewQuota, UndoWanted>;
 
   AtlasService(Store store, RecoveredAtlas recovered, std::uint64_t incarnation, std::string site,
                std::unique_ptr<SnapshotThread> snapshots, const ServiceOptions& options);
   void Run();
   std::vector<Job> NextJobs(Job first);
   void RunRound(std::vector<Job> jobs);
+  Result<UndoReport> TakeBack(const std::string& cause);
+  // Makes the store's atlas the current one.
+  Status Reload();
   void LookAfterStore(const std::vector<Job>& jobs);
   void TryStoreAgain();
   IngestOutcome JudgeRound(std::vector<Job>& jobs) const;

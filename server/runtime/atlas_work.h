@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include "common/base/mutex.h"
 #include "common/base/result.h"
 #include "common/place/vocabulary_tree.h"
 #include "server/runtime/atlas_service.h"
@@ -29,12 +30,15 @@ class AtlasWork {
   static Result<std::unique_ptr<AtlasWork>> Create(AtlasService& service, const WorkOptions& options, Output output);
 
   void Start();
-  // Gives up what is under way. Before the service stops: what was proposed is still answered.
+  // Gives up what is under way. Before the service stops: what was proposed is still answered. May be started again.
   void Stop();
+  // While it is stopped: these maps are not to be merged again.
+  void Separate(const Separations& maps);
   // Any thread: there is a new state.
   void Notify();
   // Any thread: where was this frame taken? The answer comes through the output; see RecognitionThread::Ask.
-  void Ask(PlaceQuestion question) { recognition_->Ask(std::move(question)); }
+  // While the work is stopped nobody answers: a lost agent asks again.
+  void Ask(PlaceQuestion question);
 
   WorkReport report() const { return ledger_.Read(); }
   const VocabularyTree& vocabulary() const { return *vocabulary_; }
@@ -43,12 +47,23 @@ class AtlasWork {
   AtlasWork(AtlasService& service, const WorkOptions& options, std::shared_ptr<const VocabularyTree> vocabulary,
             Output output);
 
+  // The threads of one start. Each sends to the one before.
+  struct Team {
+    std::unique_ptr<OptimizationThread> optimization;
+    std::unique_ptr<WeldingThread> welding;
+    std::unique_ptr<RecognitionThread> recognition;
+  };
+  std::shared_ptr<Team> MakeTeam();
+  std::shared_ptr<Team> CurrentTeam() EXCLUDES(mutex_);
+
+  AtlasService& service_;
+  const WorkOptions options_;
+  const Output output_;
   const std::shared_ptr<const VocabularyTree> vocabulary_;
   WorkLedger ledger_;
-  // Each sends to the next.
-  std::unique_ptr<OptimizationThread> optimization_;
-  std::unique_ptr<WeldingThread> welding_;
-  std::unique_ptr<RecognitionThread> recognition_;
+  Separations separations_;
+  Mutex mutex_;
+  std::shared_ptr<Team> team_ GUARDED_BY(mutex_);  // none while it is stopped
 };
 
 }  // namespace pangaea

@@ -55,9 +55,13 @@ Result<DdsLink::Topics> DdsLink::OpenTopics(const Participant& participant) {
   if (!events) return tl::make_unexpected(events.error());
   auto status = Writer<AtlasStatus>::Open(participant);
   if (!status) return tl::make_unexpected(status.error());
-  return Topics{std::move(*sessions), std::move(*edits),  std::move(*interests),
-                std::move(*requests), std::move(*acks),   std::move(*corrections),
-                std::move(*answers),  std::move(*events), std::move(*status)};
+  auto undos = Reader<UndoRequest>::Open(participant);
+  if (!undos) return tl::make_unexpected(undos.error());
+  auto undo_answers = Writer<UndoAnswer>::Open(participant);
+  if (!undo_answers) return tl::make_unexpected(undo_answers.error());
+  return Topics{std::move(*sessions), std::move(*edits),       std::move(*interests),   std::move(*requests),
+                std::move(*acks),     std::move(*corrections), std::move(*answers),     std::move(*events),
+                std::move(*status),   std::move(*undos),       std::move(*undo_answers)};
 }
 
 Result<std::unique_ptr<DdsLink>> DdsLink::Open(const DomainOptions& options, const std::string& site, Sinks sinks) {
@@ -110,6 +114,10 @@ Status DdsLink::Connect() {
     return status;
   const auto lost_asker = [this](const MatchChange&) { senders_.TakeLost(topics_.requests); };
   if (auto status = waiter_->OnMatch(topics_.requests, lost_asker); !status) return status;
+  const auto wants_undo = [this](Sample<UndoRequest> sample) {
+    if (sample.alive) sinks_.undo(std::move(sample.value));
+  };
+  if (auto status = waiter_->OnSample<UndoRequest>(topics_.undos, wants_undo, refused); !status) return status;
   const auto lost_announcer = [this](const MatchChange&) { SubmitLost(topics_.sessions); };
   const auto lost_editor = [this](const MatchChange&) { SubmitLost(topics_.edits); };
   if (auto status = waiter_->OnMatch(topics_.sessions, lost_announcer); !status) return status;
@@ -125,6 +133,8 @@ void DdsLink::Acknowledge(const EditAck& ack) { LogFailure(topics_.acks.Write(ac
 void DdsLink::Report(const AtlasEvent& event) { LogFailure(topics_.events.Write(event)); }
 
 void DdsLink::Publish(const AtlasStatus& status) { LogFailure(topics_.status.Write(status)); }
+
+void DdsLink::Answer(const UndoAnswer& answer) { LogFailure(topics_.undo_answers.Write(answer)); }
 
 void DdsLink::Send(const CorrectionPart& part) { LogFailure(topics_.corrections.Write(part)); }
 

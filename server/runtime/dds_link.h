@@ -37,6 +37,7 @@ class DdsLink {
     std::function<void(MapInterest)> interest;
     std::function<void(PlaceQuestion)> question;
     std::function<void(const Error&)> refused_question;  // none of ours; ever more seldom in a flood
+    std::function<void(UndoRequest)> undo;
   };
   static Result<std::unique_ptr<DdsLink>> Open(const DomainOptions& domain, const std::string& site, Sinks sinks);
 
@@ -50,6 +51,7 @@ class DdsLink {
   void Publish(const AtlasStatus& status);
   void Send(const CorrectionPart& part);
   void Answer(const RelocalizationAnswer& answer);
+  void Answer(const UndoAnswer& answer);
 
  private:
   struct Topics {
@@ -62,6 +64,8 @@ class DdsLink {
     Writer<RelocalizationAnswer> answers;
     Writer<AtlasEvent> events;
     Writer<AtlasStatus> status;
+    Reader<UndoRequest> undos;
+    Writer<UndoAnswer> undo_answers;
   };
   static Result<Topics> OpenTopics(const Participant& participant);
   DdsLink(Domain domain, Participant participant, Topics topics, Sinks sinks);

@@ -37,11 +37,15 @@ Result<std::unique_ptr<Server>> Server::Start(const ServerOptions& options, std:
                              [raw, report](const Error& error) {
                                report({raw->options_.site, AtlasEventKind::kRejected,
                                        "a request to be located: " + error.message, 0, UnixNanoseconds()});
-                             }};
+                             },
+                             [raw](UndoRequest request) { raw->undo_->Take(std::move(request)); }};
   auto link = DdsLink::Open(options.domain, options.site, sinks);
   if (!link) return tl::make_unexpected(link.error());
   server->link_ = std::move(*link);
   server->status_ = std::make_unique<StatusThread>(options.status, [raw] { raw->PublishStatus(); });
+  server->undo_ =
+      std::make_unique<UndoThread>(UndoThread::Links{[raw](const std::string& cause) { return raw->Undo(cause); },
+                                                     [raw](const UndoAnswer& answer) { raw->link_->Answer(answer); }});
   if (auto created = server->CreateWork(report); !created) return tl::make_unexpected(created.error());
   server->service_->Start(
       {[raw](const EditAck& ack) { raw->Acknowledge(ack); }, report, [raw] { raw->Changed(); }, std::move(fail)});
@@ -49,6 +53,7 @@ Result<std::unique_ptr<Server>> Server::Start(const ServerOptions& options, std:
   if (server->work_ != nullptr) server->work_->Start();
   if (server->downlink_ != nullptr) server->downlink_->Start();
   server->status_->Start();
+  server->undo_->Start();
   server->link_->Start();
   return server;
 }
@@ -72,6 +77,18 @@ Status Server::CreateWork(const std::function<void(const AtlasEvent&)>& report) 
   return {};
 }
 
+// What the work had planned was planned on an atlas that is no more: it starts anew.
+Result<std::string> Server::Undo(const std::string& cause) {
+  if (work_ != nullptr) work_->Stop();
+  const auto report = service_->Undo(cause);
+  if (work_ != nullptr) {
+    if (report) work_->Separate(report->separations);
+    work_->Start();
+  }
+  if (!report) return tl::make_unexpected(report.error());
+  return Describe(cause, *report);
+}
+
 void Server::Acknowledge(EditAck ack) {
   if (downlink_ != nullptr) downlink_->Complete(ack);
   link_->Acknowledge(ack);
@@ -88,6 +105,7 @@ Server::Server(const ServerOptions& options, std::unique_ptr<AtlasService> servi
 
 Server::~Server() {
   if (link_ != nullptr) link_->Stop();
+  if (undo_ != nullptr) undo_->Stop();
   if (downlink_ != nullptr) downlink_->Stop();
   if (work_ != nullptr) work_->Stop();
   service_->Stop();

@@ -12,6 +12,7 @@
 #include "server/runtime/server_options.h"
 #include "server/runtime/status_json.h"
 #include "server/runtime/status_thread.h"
+#include "server/runtime/undo_thread.h"
 
 namespace pangaea {
 
@@ -28,6 +29,7 @@ class Server {
  private:
   Server(const ServerOptions& options, std::unique_ptr<AtlasService> service);
   Status CreateWork(const std::function<void(const AtlasEvent&)>& report);
+  Result<std::string> Undo(const std::string& cause);
   void Acknowledge(EditAck ack);
   void Changed();
   void PublishStatus();
@@ -42,6 +44,7 @@ class Server {
   std::unique_ptr<DownlinkThread> downlink_;
   std::unique_ptr<DdsLink> link_;
   std::unique_ptr<StatusThread> status_;
+  std::unique_ptr<UndoThread> undo_;
 };
 
 }  // namespace pangaea

@@ -35,6 +35,18 @@ void SnapshotThread::Stop() {
   if (thread_.joinable()) thread_.join();
 }
 
+void SnapshotThread::Restart(SnapshotStore store, std::uint64_t snapshot_position) {
+  store_ = std::move(store);
+  {
+    MutexLock lock(mutex_);
+    orders_.clear();
+    due_ordered_ = false;
+    pending_envelopes_ = pending_bytes_ = 0;
+    report_.position = snapshot_position;
+  }
+  Start();
+}
+
 void SnapshotThread::Committed(const Atlas& atlas, std::uint64_t position, std::uint64_t envelopes,
                                std::uint64_t bytes) {
   MutexLock lock(mutex_);

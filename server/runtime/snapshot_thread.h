@@ -38,6 +38,8 @@ class SnapshotThread {
   void Start();
   // Gives up a snapshot that is being written.
   void Stop();
+  // After Stop(), on the thread that called it: begins anew with what the store holds by now.
+  void Restart(SnapshotStore store, std::uint64_t snapshot_position);
 
   // By the atlas thread, before Committed() of what follows: keep a snapshot of the atlas at that position. Up to
   // kMaxWaiting wait to be written; the oldest waiting one is given up for a newer one.

@@ -31,6 +31,7 @@ struct WeldReport {
 // What recognition, welding and optimisation did since the start, and do.
 struct WorkReport {
   static constexpr std::size_t kWelds = 16;
+  static constexpr std::uint64_t kNever = ~std::uint64_t{0};  // no version of an atlas
 
   std::uint64_t looked_up_version = 0;  // of the atlas: all of its keyframes were looked up
   std::uint64_t planned_version = 0;    // of the atlas: its maps were judged whether they are due for optimisation

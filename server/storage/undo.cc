@@ -1,6 +1,7 @@
 #include "server/storage/undo.h"
 
 #include <optional>
+#include <sstream>
 #include <utility>
 
 #include "common/map/atlas_codec.h"
@@ -139,6 +140,21 @@ Result<std::vector<JournaledCause>> ListCauses(Store& store) {
     causes.push_back(std::move(cause));
   }
   return causes;
+}
+
+std::string Describe(const std::string& cause, const UndoReport& report) {
+  std::ostringstream text;
+  text << cause << " is undone";
+  for (std::size_t i = 0; i < report.also.size(); ++i) {
+    text << (i == 0 ? "\ntaken back with it, as built on it: " : ", ") << report.also[i];
+  }
+  for (const auto& [first, second] : report.separations) {
+    text << "\nmaps " << ToString(first) << " and " << ToString(second) << " will not be merged again";
+  }
+  if (report.misfits > 0) {
+    text << "\n" << report.misfits << " edits of agents made no sense without it and were left out";
+  }
+  return std::move(text).str();
 }
 
 Result<UndoReport> UndoCause(Store& store, const std::string& cause, std::int64_t now_unix_ns) {

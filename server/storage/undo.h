@@ -31,6 +31,9 @@ struct UndoReport {
   std::size_t misfits = 0;                           // edits of agents that made no sense without it
 };
 
+// For people: what was done.
+std::string Describe(const std::string& cause, const UndoReport& report);
+
 // Takes a cause back: rebuilds the atlas from the newest snapshot before it and from the journal without its edits, and
 // makes that what recovery starts from. All or nothing. No server may have the store open (the caller's Store::Open saw
 // to that). kNotFound for a cause that is not in the journal, kRefused where it was undone already, or where the

@@ -141,6 +141,35 @@ TEST(SessionDownlink, ALandmarkThatNoneOfItsKeyframesObservesAnyMoreIsSaidThough
   EXPECT_TRUE(correction->pieces[0].landmarks[0].observations.empty());
 }
 
+TEST(SessionDownlink, AnUndoneMergeTakesTheGuestsAndTheirLandmarksAway) {
+  const SmallWorld apart = TwoSessions();
+  SmallWorld merged = apart;
+  SessionDownlink downlink(kBert, {});
+  downlink.Take(Interest(kBert, 0));
+  Merge(merged, 10);
+  const auto first = downlink.Next(View(merged, 10, 10));
+  ASSERT_TRUE(first);
+  downlink.Take(Interest(kBert, first->version, {K(1), K(2), K(3)}));
+  // As undo leaves it: everything as it was, poses said anew.
+  SmallWorld undone = apart;
+  undone.Do(MoveKeyframes{{{K(1, kBert), Rigid3d()}}, 12});
+  undone.Do(MoveKeyframes{{{K(1), Rigid3d()}}, 12});
+  const auto correction = downlink.Next(View(undone, 12, 12));
+  ASSERT_TRUE(correction);
+  ASSERT_EQ(correction->pieces.size(), 1u) << "nothing is left to say of Anna's map";
+  const MapPiece& piece = correction->pieces[0];
+  EXPECT_EQ(piece.map, M(1, kBert));
+  EXPECT_EQ(Ids(piece), (std::vector{K(1, kBert), K(2, kBert)}));
+  ASSERT_EQ(piece.culled.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(piece.culled[i].id, K(static_cast<std::uint32_t>(i + 1)));
+    EXPECT_FALSE(piece.culled[i].camera_from_map);
+  }
+  EXPECT_EQ(piece.removed, std::vector{L(1)});
+  ASSERT_EQ(piece.landmarks.size(), 1u);
+  EXPECT_EQ(piece.landmarks[0].id, L(1, kBert));
+}
+
 TEST(SessionDownlink, NewGuestsComeAFewAtATimeAndThoseItHoldsWithoutTheirFeatures) {
   SmallWorld world = TwoSessions();
   Merge(world, 10);

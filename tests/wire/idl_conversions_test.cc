@@ -50,6 +50,10 @@ TEST(IdlConversions, EnvelopesAndAcksAndStatusAndEventsComeBackAsTheyWere) {
   EXPECT_EQ(FromIdl(BorrowAsIdl(status)).value(), status);
   const AtlasEvent event{"hall", AtlasEventKind::kRejected, "wire version 9", 4, 10};
   EXPECT_EQ(FromIdl(BorrowAsIdl(event)).value(), event);
+  const UndoRequest request{99, "merge 17"};
+  EXPECT_EQ(FromIdl(BorrowAsIdl(request)).value(), request);
+  const UndoAnswer answer{99, true, "merge 17 is undone"};
+  EXPECT_EQ(FromIdl(BorrowAsIdl(answer)).value(), answer);
 }
 
 TEST(IdlConversions, CorrectionsAndInterestsAndRelocalizationsComeBackAsTheyWere) {
