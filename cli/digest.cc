@@ -1,9 +1,14 @@
 #include "cli/digest.h"
 
+#include <cstdint>
+#include <fstream>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/map/digest.h"
 #include "server/storage/recovery.h"
@@ -16,10 +21,30 @@ using nlohmann::json;
 
 struct DigestOptions {
   std::string store;
+  std::string report;
   bool json = false;
 };
 
-json DigestJson(const RecoveredAtlas& recovered, const std::string& site) {
+// What an agent had forgotten when it ended: of that its report's digest says no more than where it is.
+struct AgentsForgotten {
+  std::string session;
+  std::vector<std::uint32_t> counters;
+};
+
+Result<AgentsForgotten> ReadForgotten(const std::string& report) {
+  std::ifstream file(report);
+  const json parsed = json::parse(file, nullptr, false);
+  const auto wrong = Fail(ErrorCode::kInvalidArgument, "--report " + report + ": expected the report of an agent");
+  if (!parsed.is_object() || !parsed.contains("session") || !parsed.contains("forgotten")) return wrong;
+  try {
+    return AgentsForgotten{parsed.at("session").get<std::string>(),
+                           parsed.at("forgotten").get<std::vector<std::uint32_t>>()};
+  } catch (const json::exception&) {  // of other types
+    return wrong;
+  }
+}
+
+json DigestJson(const RecoveredAtlas& recovered, const std::string& site, const AgentsForgotten& forgotten) {
   const Atlas& atlas = recovered.atlas;
   json maps = json::array();
   for (const MapId id : atlas.Maps()) {
@@ -32,13 +57,17 @@ json DigestJson(const RecoveredAtlas& recovered, const std::string& site) {
   json sessions = json::array();
   for (const SessionRecord& record : recovered.sessions) {
     const SessionId id = record.announcement.session;
+    std::set<KeyframeId> left_out;
+    if (ToString(id) == forgotten.session) {
+      for (const std::uint32_t counter : forgotten.counters) left_out.insert({id, counter});
+    }
     sessions.push_back({{"id", ToString(id)},
                         {"name", record.announcement.name},
                         {"keyframes", atlas.keyframe_count(id)},
                         {"landmarks", atlas.landmark_count(id)},
                         {"acknowledged", record.acknowledged},
                         {"rejected", record.rejected},
-                        {"digest", ToString(DigestOfSession(atlas, id))}});
+                        {"digest", ToString(DigestOfSession(atlas, id, left_out))}});
   }
   return {{"site", site}, {"digest", ToString(Digest(atlas))}, {"maps", maps}, {"sessions", sessions}};
 }
@@ -59,7 +88,13 @@ Status Run(const DigestOptions& options) {
   if (!store) return tl::make_unexpected(store.error());
   const auto recovered = RecoverAtlas(*store);
   if (!recovered) return tl::make_unexpected(recovered.error());
-  const json digests = DigestJson(*recovered, store->site());
+  AgentsForgotten forgotten;
+  if (!options.report.empty()) {
+    auto read = ReadForgotten(options.report);
+    if (!read) return tl::make_unexpected(read.error());
+    forgotten = std::move(*read);
+  }
+  const json digests = DigestJson(*recovered, store->site(), forgotten);
   if (options.json) {
     std::cout << digests.dump(-1, ' ', false, json::error_handler_t::replace) << "\n";
   } else {
@@ -71,6 +106,7 @@ Status Run(const DigestOptions& options) {
 CommandBody Declare(CLI::App& app) {
   auto options = std::make_shared<DigestOptions>();
   app.add_option("--store", options->store, "File that holds the atlas")->required();
+  app.add_option("--report", options->report, "Report of an agent: of its session, what it had not forgotten");
   app.add_flag("--json", options->json, "One line of JSON instead of text");
   return [options] { return Run(*options); };
 }

@@ -61,6 +61,8 @@ void DeclareOptions(CLI::App& app, SimulateArguments& arguments) {
   app.add_option("--out", arguments.out, "Folder for session_1, session_2, ... (EuRoC ASL layout)")->required();
   app.add_option("--sessions", options.sessions, "Flights through the same hall")->capture_default_str();
   app.add_option("--seconds", options.seconds, "Length of each flight")->capture_default_str();
+  app.add_option("--laps", options.laps, "How often it is flown, to and fro, with the pictures of the first time")
+      ->capture_default_str();
   app.add_option("--seed", options.seed, "Hall, flights and noise: the same seed gives the same files")
       ->capture_default_str();
   app.add_option("--rate", options.rate, "Images a second")->capture_default_str();

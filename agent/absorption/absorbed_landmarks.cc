@@ -48,8 +48,8 @@ class LandmarkAbsorption {
   bool Insert(const PieceLandmark& listed, LandmarkId giving_way = {}) {
     if (atlas().FindLandmark(listed.id) != nullptr) return true;
     if (atlas().Resolve(listed.id).valid()) return false;  // fused here since
-    // The server had it and it is gone here: its agent removed it since.
-    if (draft_.input().base.FindLandmark(listed.id) != nullptr) return false;
+    // The server had it and it is gone here: its agent removed it since. What was forgotten leaves no trace.
+    if (draft_.input().base.FindLandmark(listed.id) != nullptr && atlas().Knows(listed.id)) return false;
     std::vector<Observation> seats = listed.observations;
     std::stable_partition(seats.begin(), seats.end(),
                           [&](const Observation& o) { return o.keyframe == listed.reference; });
@@ -79,7 +79,9 @@ class LandmarkAbsorption {
   bool Seat(const PieceLandmark& listed, const Observation& seat) {
     const Keyframe* keyframe = atlas().FindKeyframe(seat.keyframe);
     if (keyframe == nullptr || seat.keypoint >= keyframe->landmarks.size()) return false;
-    const Eigen::Vector3d point = keyframe->camera_from_map * listed.point_in_map;
+    Eigen::Vector3d point = keyframe->camera_from_map * listed.point_in_map;
+    // Its reference may be forgotten here, and another observer have it behind itself: Place puts it there.
+    if (!(point.z() > 0.0)) point = Eigen::Vector3d::UnitZ();
     return draft_.Emit(AddLandmark{listed.id, seat.keyframe, seat.keypoint, point});
   }
 

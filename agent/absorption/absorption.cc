@@ -5,6 +5,7 @@
 #include <set>
 
 #include "agent/absorption/absorption_draft.h"
+#include "common/map/forgetting.h"
 #include "common/map/spanning_tree.h"
 
 namespace pangaea {
@@ -46,6 +47,12 @@ void PlaceExactly(const PieceKeyframe& listed, AbsorptionDraft& draft) {
   draft.Emit(std::move(edit));
 }
 
+// It was forgotten before the server made the piece. Of what was forgotten since, it says what is no longer wanted.
+bool IsAskedBack(const Keyframe& keyframe, const AbsorptionDraft& draft) {
+  const Keyframe* told = draft.input().base.FindKeyframe(keyframe.id);
+  return IsForgotten(keyframe) && told != nullptr && IsForgotten(*told);
+}
+
 }  // namespace
 
 MapId JoinMaps(const MapPiece& piece, AbsorptionDraft& draft) {
@@ -71,7 +78,13 @@ void RemoveCulled(const MapPiece& piece, AbsorptionDraft& draft) {
 void InsertKeyframes(const MapPiece& piece, MapId host, AbsorptionDraft& draft) {
   KeyframeId parent = host.valid() ? Attachment(piece, host, draft) : KeyframeId{};
   for (const PieceKeyframe& listed : piece.keyframes) {
-    if (listed.data == nullptr || draft.atlas().Knows(listed.id)) continue;
+    if (listed.data == nullptr) continue;
+    if (const Keyframe* present = draft.atlas().FindKeyframe(listed.id)) {
+      // The piece has moved it already.
+      if (IsAskedBack(*present, draft)) draft.Emit(AddKeyframe{listed.id, present->map, {}, {}, listed.data});
+      continue;
+    }
+    if (draft.atlas().Knows(listed.id)) continue;
     const Keyframe* above = draft.atlas().FindKeyframe(parent);
     const Rigid3d camera_from_parent =
         above == nullptr ? listed.camera_from_map : listed.camera_from_map * above->camera_from_map.Inverse();

@@ -28,6 +28,7 @@ struct AbsorptionInput {
 //    their parent, landmarks their reference keyframe;
 //  - landmarks that the server made one become one, and it decides who observes what as far as the agent has not
 //    changed that since; what the server removed goes;
+//  - keyframes that were forgotten here and that the piece brings are as before;
 //  - keyframes and landmarks that are new here (guests) hang below a keyframe of the session. Where the session has
 //  none
 //    in that map, they make a map of their own, under the server's id.

@@ -7,13 +7,13 @@
 #include "agent/mapping/guest_rules.h"
 #include "agent/mapping/keyframe_culling.h"
 #include "agent/mapping/keyframe_insertion.h"
-#include "common/mapping/landmark_creation.h"
 #include "agent/mapping/local_bundle_adjustment.h"
 #include "agent/mapping/neighbourhood.h"
 #include "common/base/check.h"
 #include "common/map/covisibility.h"
 #include "common/map/map_edit.h"
 #include "common/map/spanning_tree.h"
+#include "common/mapping/landmark_creation.h"
 #include "common/mapping/landmark_search.h"
 
 namespace pangaea {
@@ -96,6 +96,16 @@ void LocalMapper::CloseMap(MapId map) {
 void LocalMapper::Absorb(const AgentCorrection& correction, const Atlas& base) {
   const AbsorptionInput input{session_, correction.version, base, correction.pieces};
   Commit(PlanAbsorption(atlas_, input));
+}
+
+std::vector<ForgottenKeyframe> LocalMapper::Forget(std::span<const KeyframeId> keyframes) {
+  std::vector<ForgottenKeyframe> forgotten;
+  for (const KeyframeId id : keyframes) {
+    const Keyframe* keyframe = atlas_.FindKeyframe(id);
+    if (keyframe != nullptr && !IsForgotten(*keyframe)) forgotten.push_back({id, keyframe->frames});
+  }
+  pangaea::Forget(atlas_, forgotten);
+  return forgotten;
 }
 
 void LocalMapper::Adopt(std::span<const MapEdit> edits) {

@@ -12,6 +12,7 @@
 #include "common/base/stage_recorder.h"
 #include "common/map/atlas.h"
 #include "common/map/edits/edits.h"
+#include "common/map/forgetting.h"
 #include "common/map/ids.h"
 #include "common/wire/agent_correction.h"
 
@@ -41,6 +42,8 @@ class LocalMapper {
 
   // Takes in what the server says (PlanAbsorption).
   void Absorb(const AgentCorrection& correction, const Atlas& base);
+  // Forgets what the keyframes saw (common/map/forgetting.h); returns those that it has forgotten by that.
+  std::vector<ForgottenKeyframe> Forget(std::span<const KeyframeId> keyframes);
   // What the uplink asks for (UplinkPlan::own_edits): not among the edits that TakeEdits returns.
   void Adopt(std::span<const MapEdit> edits);
 

@@ -97,6 +97,10 @@ Status ReadAgentConfig(const std::filesystem::path& path, AgentOptions& options)
   reader->Read("uplink.queue_batches", &options.uplink.queue_batches, Range{1, 10000});
   reader->Read("uplink.min_observations", &options.uplink.edits.planner.min_observations, Range{1, 1000});
   reader->Read("uplink.envelope_bytes", &options.uplink.edits.envelope_bytes, Range{1000, 1000000});
+  KeptKeyframesOptions& memory = options.uplink.memory;
+  reader->Read("memory.max_keyframes", &memory.most, Range{0, 1000000});
+  reader->Read("memory.kept_keyframes", &memory.left, Range{5, 1000000});
+  memory = KeptKeyframesOptions::Of(memory.most, memory.left);
   double patience_s = std::chrono::duration<double>(options.flush_patience).count();
   reader->Read("uplink.patience_s", &patience_s, Range{0.0, 86400.0});
   options.flush_patience = std::chrono::milliseconds(std::llround(1000.0 * patience_s));

@@ -10,6 +10,7 @@
 #include "common/base/version.h"
 #include "common/evaluation/trajectory_file.h"
 #include "common/map/digest.h"
+#include "common/map/forgetting.h"
 #include "common/map/trajectory.h"
 
 namespace pangaea {
@@ -46,6 +47,15 @@ Status WriteReport(const std::filesystem::path& path, const AgentRun& run) {
   return Fail(ErrorCode::kUnavailable, path.string() + ": cannot be written");
 }
 
+// Of the session's keyframes whose features only the server has.
+std::vector<std::uint32_t> ForgottenCounters(const AgentRun& run) {
+  std::vector<std::uint32_t> counters;
+  run.atlas->ForEachKeyframe(run.session, [&](const Keyframe& keyframe) {
+    if (IsForgotten(keyframe)) counters.push_back(keyframe.id.counter);
+  });
+  return counters;
+}
+
 }  // namespace
 
 nlohmann::json ReportOf(const AgentRun& run) {
@@ -56,6 +66,8 @@ nlohmann::json ReportOf(const AgentRun& run) {
                     {"mean_ms", statistics.mean_ms},
                     {"p95_ms", statistics.p95_ms}};
   }
+  nlohmann::json memory = nlohmann::json::array();
+  for (const MemorySample& sample : run.memory) memory.push_back({sample.seconds, sample.resident_mib});
   return {
       {"version", kVersion},
       {"session", ToString(run.session)},
@@ -72,6 +84,9 @@ nlohmann::json ReportOf(const AgentRun& run) {
       {"cpu_seconds", run.cpu_seconds},
       {"wall_seconds", run.wall_seconds},
       {"peak_rss_mib", run.peak_rss_mib},
+      {"memory_mib", memory},
+      {"forgotten", ForgottenCounters(run)},
+      {"times_forgotten", run.uplink.forgotten},
       {"bytes_sent", run.uplink.bytes_sent},
       {"envelopes_sent", run.uplink.envelopes_sent},
       {"resends", run.uplink.resends},

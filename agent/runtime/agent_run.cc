@@ -134,12 +134,21 @@ class FrameLoop {
       spdlog::info(BeginsMap(result) ? "started a new map" : "found the camera again");
     }
     state_ = result.state;
+    SampleMemory(stamp_ns);
     if (Clock::now() - latest_progress_ < std::chrono::seconds(10)) return;
     latest_progress_ = Clock::now();
     const auto atlas = worker_.snapshot();
     const std::string total = frame_count_ ? " of " + std::to_string(*frame_count_) : "";
     spdlog::info("{}: frame {}{}, {} tracked, {} keyframes, {} landmarks", run_.name, run_.tracked + run_.lost, total,
                  run_.tracked, atlas->keyframe_count(), atlas->landmark_count());
+  }
+
+  void SampleMemory(std::int64_t stamp_ns) {
+    constexpr double kBetweenSamples = 30.0;
+    if (!first_stamp_ns_) first_stamp_ns_ = stamp_ns;
+    const double seconds = 1e-9 * static_cast<double>(stamp_ns - *first_stamp_ns_);
+    if (seconds < kBetweenSamples * static_cast<double>(run_.memory.size())) return;
+    run_.memory.push_back({seconds, ResidentMib()});
   }
 
   void TakeAnswer() {
@@ -217,6 +226,7 @@ class FrameLoop {
   Tracker tracker_;
   StageClock stages_;
   TrackingState state_ = TrackingState::kStarting;
+  std::optional<std::int64_t> first_stamp_ns_;
   Clock::time_point latest_progress_ = Clock::now();
   std::size_t unreadable_ = 0;
 };

@@ -17,6 +17,12 @@
 
 namespace pangaea {
 
+// What the process held in memory at some time of the flight.
+struct MemorySample {
+  double seconds = 0.0;  // since the first frame, by the stamps of the images
+  double resident_mib = 0.0;
+};
+
 // Everything a finished run can tell.
 struct AgentRun {
   SessionId session = 0;
@@ -31,6 +37,7 @@ struct AgentRun {
   double wall_seconds = 0.0;
   double cpu_seconds = 0.0;  // of the whole process, all threads
   double peak_rss_mib = 0.0;
+  std::vector<MemorySample> memory;  // every half minute
   UplinkCounters uplink;
   bool acknowledged = false;  // the server confirmed that it holds everything
   // Why it did not, where there should have been a server: kUnavailable (the spill file has the rest), kRefused.

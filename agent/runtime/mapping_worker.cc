@@ -1,5 +1,7 @@
 #include "agent/runtime/mapping_worker.h"
 
+#include <malloc.h>
+
 #include <chrono>
 #include <utility>
 
@@ -11,6 +13,14 @@ namespace {
 constexpr std::size_t kQueuedInputs = 256;
 // Frames enter the map in batches: one by one each would copy its keyframe's list.
 constexpr std::size_t kFramesPerBatch = 20;
+
+// What was forgotten lies among what was not: without being told, glibc gives none of it back to the system. A few
+// milliseconds.
+void ReturnFreeMemory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
 
 }  // namespace
 
@@ -40,7 +50,10 @@ void MappingWorker::Process(MappingInput input) {
   }
   waiting_frames_.insert(waiting_frames_.end(), input.frames.begin(), input.frames.end());
   if (waiting_frames_.size() >= kFramesPerBatch) AddWaitingFrames();
-  if (absorbed || input.keyframe != nullptr || input.opening != nullptr) Publish();
+  const bool moved = !input.frames.empty() && NoteReference(input.frames.back().reference);
+  const bool forgotten = absorbs_ && ForgetFarKeyframes();
+  if (absorbed || forgotten || input.keyframe != nullptr || input.opening != nullptr) return Publish();
+  if (moved && uplink_ != nullptr) (void)uplink_->Submit(TakeBatch());
 }
 
 void MappingWorker::Finish() {
@@ -82,6 +95,23 @@ bool MappingWorker::AbsorbCorrection() {
   return true;
 }
 
+// Also where the camera makes no keyframes, because it knows the place: what to forget and to ask back goes by it.
+bool MappingWorker::NoteReference(KeyframeId reference) {
+  const KeyframeId living = mapper_.atlas().Resolve(reference);
+  return living.valid() && std::exchange(reference_, living) != living;
+}
+
+bool MappingWorker::ForgetFarKeyframes() {
+  if (uplink_ == nullptr) return false;
+  const std::vector<KeyframeId> far = uplink_->TakeForgettable();
+  if (far.empty()) return false;
+  const StageScope stage(stages_, "mapping.forget");
+  AddWaitingFrames();
+  forgotten_ = mapper_.Forget(far);
+  ReturnFreeMemory();
+  return true;
+}
+
 void MappingWorker::AddWaitingFrames() {
   if (waiting_frames_.empty()) return;
   mapper_.AddFrames(waiting_frames_);
@@ -96,7 +126,7 @@ void MappingWorker::Publish() {
 
 UplinkBatch MappingWorker::TakeBatch() {
   return {std::make_shared<const Atlas>(mapper_.atlas()), mapper_.TakeEdits(), std::exchange(absorbed_, nullptr),
-          reference_};
+          reference_, std::exchange(forgotten_, {})};
 }
 
 MappingThread::MappingThread(MappingWorker& worker)

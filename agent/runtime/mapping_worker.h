@@ -46,6 +46,10 @@ class MappingWorker {
   void AddWaitingFrames();
   // What the server says, where there is something new. Returns whether there was.
   bool AbsorbCorrection();
+  // Whether the camera is near to another keyframe than before.
+  bool NoteReference(KeyframeId reference);
+  // What is far from the camera and safe at the server. Returns whether there was something.
+  bool ForgetFarKeyframes();
   Status FlushOnce(std::chrono::milliseconds patience);
   void Publish();
   UplinkBatch TakeBatch();
@@ -56,6 +60,7 @@ class MappingWorker {
   StageClock stages_;
   std::vector<TrackedFrame> waiting_frames_;
   std::shared_ptr<const AgentCorrection> absorbed_;  // since the last batch
+  std::vector<ForgottenKeyframe> forgotten_;         // since the last batch
   KeyframeId reference_;                             // what the camera is near to
   bool absorbs_ = true;
   Published<Atlas> snapshot_;

@@ -16,7 +16,6 @@
 #include "common/dds/reader.h"
 #include "common/dds/waiter.h"
 #include "common/dds/writer.h"
-#include "common/map/covisibility.h"
 #include "common/wire/edit_ack.h"
 #include "common/wire/envelope.h"
 #include "common/wire/map_interest.h"
@@ -124,6 +123,11 @@ class UplinkLoop final : public UplinkThread {
 
   std::optional<ReadyCorrection> TakeCorrection() override { return downlink_.Take(); }
 
+  std::vector<KeyframeId> TakeForgettable() override EXCLUDES(forgettable_mutex_) {
+    MutexLock lock(forgettable_mutex_);
+    return std::exchange(forgettable_, {});
+  }
+
   bool AwaitCorrection(std::chrono::milliseconds patience) override { return downlink_.Await(Clock::now() + patience); }
 
   void AskWhere(std::uint64_t request, std::shared_ptr<const KeyframeData> frame) override {
@@ -199,31 +203,28 @@ class UplinkLoop final : public UplinkThread {
       downlink_.OnAbsorbed(stream_.version());
       ++local_.corrections;
     }
+    local_.forgotten += batch.forgotten.size();
     WriteInterest(batch);
-    NoteFailure(stream_.Take(std::move(batch.snapshot), batch.applied_since, kind));
+    if (kind == PlanKind::kOngoing) ProposeForgetting(batch);
+    NoteFailure(stream_.Take(std::move(batch.snapshot), batch.applied_since, kind, std::move(batch.forgotten)));
+  }
+
+  // From what is certain before this batch: what it brings is not sent yet.
+  void ProposeForgetting(const UplinkBatch& batch) EXCLUDES(forgettable_mutex_) {
+    auto chosen =
+        ChooseForgotten(*batch.snapshot, stream_.confirmed(), batch.reference, session_.session, options_.memory);
+    MutexLock lock(forgettable_mutex_);
+    forgettable_ = std::move(chosen);
   }
 
   // What the server needs to know to send what is missing here.
   void WriteInterest(const UplinkBatch& batch) {
-    MapInterest interest{session_.session, stream_.version(), {}, NearestSent(*batch.snapshot, batch.reference), {}};
-    if (const Keyframe* reference = batch.snapshot->FindKeyframe(interest.reference)) interest.map = reference->map;
-    for (const SessionId session : batch.snapshot->Sessions()) {
-      if (session == session_.session) continue;
-      batch.snapshot->ForEachKeyframe(session, [&](const Keyframe& guest) { interest.guests.push_back(guest.id); });
-    }
+    MapInterest interest =
+        InterestOf(session_.session, *batch.snapshot, stream_.confirmed(), batch.reference, options_.memory);
+    interest.applied_version = stream_.version();
     if (interest == interest_) return;
     NoteFailure(endpoints_.interest.Write(interest));
     interest_ = std::move(interest);
-  }
-
-  // The newest keyframe is sent some seconds later: what the server knows of near to it.
-  KeyframeId NearestSent(const Atlas& snapshot, KeyframeId reference) const {
-    constexpr std::size_t kWindow = 30;
-    const KeyframeId living = snapshot.Resolve(reference);
-    for (const KeyframeId id : GrowWindow(snapshot, living, kWindow)) {
-      if (stream_.mirror().FindKeyframe(id) != nullptr) return id;
-    }
-    return living;
   }
 
   void Handle(FlushRequest& request) {
@@ -368,6 +369,8 @@ class UplinkLoop final : public UplinkThread {
   bool hurried_ = false;
   bool stopping_ = false;
 
+  Mutex forgettable_mutex_;
+  std::vector<KeyframeId> forgettable_ GUARDED_BY(forgettable_mutex_);
   mutable Mutex counters_mutex_;
   UplinkCounters counters_ GUARDED_BY(counters_mutex_);
   Mutex answer_mutex_;
@@ -381,6 +384,7 @@ class UplinkLoop final : public UplinkThread {
 
 Status UplinkOptions::Check() const {
   if (Status status = edits.Check(); !status) return status;
+  if (Status status = memory.Check(); !status) return status;
   if (queue_batches > 0) return {};
   return Fail(ErrorCode::kInvalidArgument, "uplink: queue_batches is 0, allowed is 1 or more");
 }

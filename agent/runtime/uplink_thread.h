@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "agent/uplink/edit_stream.h"
+#include "agent/uplink/kept_keyframes.h"
 #include "common/base/result.h"
 #include "common/dds/participant.h"
 #include "common/map/atlas.h"
@@ -21,6 +22,7 @@ namespace pangaea {
 
 struct UplinkOptions {
   EditStreamOptions edits;
+  KeptKeyframesOptions memory;
   std::size_t queue_batches = 64;  // mapping waits when the uplink is this far behind
   // Where envelopes go when memory is full, and what is left unsent at the end. Empty: pangaea-<session>.spill in the
   // current folder.
@@ -35,6 +37,7 @@ struct UplinkBatch {
   std::vector<MapEdit> applied_since;
   std::shared_ptr<const AgentCorrection> absorbed = nullptr;  // of TakeCorrection: the snapshot has absorbed it
   KeyframeId reference = {};                                  // what the camera is near to; none: not known
+  std::vector<ForgottenKeyframe> forgotten = {};              // by the snapshot, after all the rest
 };
 
 // A correction of the server whose time has come, and what the server had of this session when it made it.
@@ -53,6 +56,7 @@ struct UplinkCounters {
   std::uint64_t corrections = 0;         // absorbed
   std::uint64_t correction_version = 0;  // of the newest absorbed
   std::uint64_t bytes_received = 0;      // octets of corrections
+  std::uint64_t forgotten = 0;           // keyframes, each time that one was
   std::uint64_t repairs = 0;             // how often it planned anew what was missing after rejections
   bool server_present = false;
   bool server_seen = false;  // at any time
@@ -79,6 +83,9 @@ class UplinkThread {
 
   // The next correction, to be absorbed by mapping and named in its next batch; the one after it is not ready before.
   virtual std::optional<ReadyCorrection> TakeCorrection() = 0;
+  // Keyframes that the agent should forget now, because the server has them and they are far away: to be named in
+  // mapping's next batch. Others are not chosen before.
+  virtual std::vector<KeyframeId> TakeForgettable() = 0;
   // Waits until TakeCorrection has something (true), or until the server has told of everything it changed and works on
   // nothing that may change more, or the time is over, or somebody hurries (false).
   virtual bool AwaitCorrection(std::chrono::milliseconds patience) = 0;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/base/check.h"
+#include "common/map/forgetting.h"
 
 namespace pangaea {
 
@@ -12,10 +13,13 @@ PlaceMemory::PlaceMemory(std::shared_ptr<const VocabularyTree> vocabulary)
 
 void PlaceMemory::Follow(const Atlas& atlas, std::size_t most) {
   if (atlas.version() == followed_version_) return;
-  std::erase_if(known_, [&](KeyframeId id) { return atlas.FindKeyframe(id) == nullptr && index_.Remove(id); });
+  std::erase_if(known_, [&](KeyframeId id) {
+    const Keyframe* keyframe = atlas.FindKeyframe(id);
+    return (keyframe == nullptr || IsForgotten(*keyframe)) && index_.Remove(id);
+  });
   bool complete = true;
   atlas.ForEachKeyframe([&](const Keyframe& keyframe) {
-    if (known_.contains(keyframe.id)) return;
+    if (known_.contains(keyframe.id) || IsForgotten(keyframe)) return;
     complete = most > 0;
     if (!complete) return;
     index_.Add(keyframe.id, vocabulary_->Bag(keyframe.data->features.descriptors));

@@ -20,8 +20,8 @@ class PlaceMemory {
  public:
   explicit PlaceMemory(std::shared_ptr<const VocabularyTree> vocabulary);
 
-  // Forgets the keyframes that are no longer in the atlas, and learns those that are new: at most `most` of them (about
-  // 0.3 ms each), in the order of their ids. The others wait for the next call.
+  // Forgets the keyframes that are no longer in the atlas or forgotten there, and learns those that are new: at most
+  // `most` of them (about 0.3 ms each), in the order of their ids. The others wait for the next call.
   void Follow(const Atlas& atlas, std::size_t most);
 
   // The keyframes that look most like the frame, best first. `admits`: which may be among them (empty: all).

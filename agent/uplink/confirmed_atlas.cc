@@ -12,7 +12,8 @@ namespace {
 void SharePayload(MapEdit& edit, const Atlas& mirror) {
   auto* added = std::get_if<AddKeyframe>(&edit);
   if (added == nullptr) return;
-  if (const Keyframe* keyframe = mirror.FindKeyframe(added->id)) added->data = keyframe->data;
+  const Keyframe* keyframe = mirror.FindKeyframe(added->id);
+  if (keyframe != nullptr && !IsForgotten(*keyframe)) added->data = keyframe->data;
 }
 
 // Whether all fit.
@@ -41,26 +42,53 @@ bool ConfirmedAtlas::Take(const Envelope& envelope, const Atlas& mirror) {
   bool all_fit = false;
   auto edits = Apply(envelope, mirror, atlas_, all_fit);
   if (!edits) return false;
-  recent_edits_ += edits->size();
-  recent_.push_back({envelope.sequence, std::move(*edits)});
-  while (recent_edits_ > kMostRecentEdits) AdvanceBase();
+  Remember({envelope.sequence, std::move(*edits), {}});
   return all_fit;
+}
+
+void ConfirmedAtlas::Forget(std::uint64_t sequence, std::vector<ForgottenKeyframe> keyframes) {
+  forgetting_.push_back({sequence, {}, std::move(keyframes)});
+  ComeTo(sequence_);
+}
+
+void ConfirmedAtlas::ComeTo(std::uint64_t sequence) {
+  sequence_ = sequence;
+  while (!forgetting_.empty() && forgetting_.front().sequence <= sequence) {
+    pangaea::Forget(atlas_, forgetting_.front().forgotten);
+    Remember(std::move(forgetting_.front()));
+    forgetting_.pop_front();
+  }
+}
+
+void ConfirmedAtlas::Remember(Taken taken) {
+  recent_edits_ += taken.edits.size();
+  recent_.push_back(std::move(taken));
+  while (recent_edits_ > kMostRecentEdits) AdvanceBase();
 }
 
 bool ConfirmedAtlas::Expect(const Envelope& envelope, const Atlas& mirror, Atlas& atlas) const {
   bool all_fit = false;
-  return Apply(envelope, mirror, atlas, all_fit) && all_fit;
+  const bool counts = Apply(envelope, mirror, atlas, all_fit).has_value();
+  for (const Taken& later : forgetting_) {
+    if (later.sequence == envelope.sequence) pangaea::Forget(atlas, later.forgotten);
+  }
+  return counts && all_fit;
+}
+
+void ConfirmedAtlas::Replay(const Taken& taken, Atlas& atlas) {
+  ApplyWhatFits(taken.edits, atlas);
+  if (!taken.forgotten.empty()) pangaea::Forget(atlas, taken.forgotten);
 }
 
 void ConfirmedAtlas::AdvanceBase() {
-  ApplyWhatFits(recent_.front().edits, base_);
+  Replay(recent_.front(), base_);
   base_sequence_ = recent_.front().sequence;
   recent_edits_ -= recent_.front().edits.size();
   recent_.pop_front();
 }
 
 std::optional<Atlas> ConfirmedAtlas::At(std::uint64_t sequence) {
-  if (sequence < base_sequence_) return std::nullopt;
+  if (!Reaches(sequence)) return std::nullopt;
   while (!recent_.empty() && recent_.front().sequence <= sequence) AdvanceBase();
   return base_;
 }
@@ -72,7 +100,7 @@ bool ConfirmedAtlas::Absorb(const AgentCorrection& correction) {
   ApplyWhatFits(PlanAbsorption(*base, input), base_);
   corrected_ = true;
   atlas_ = base_;
-  for (const Taken& taken : recent_) ApplyWhatFits(taken.edits, atlas_);
+  for (const Taken& taken : recent_) Replay(taken, atlas_);
   return true;
 }
 

@@ -5,8 +5,8 @@
 #include <set>
 #include <utility>
 
-#include "common/wire/edit_packing.h"
 #include "common/map/map_edit.h"
+#include "common/wire/edit_packing.h"
 #include "common/wire/envelope.h"
 
 namespace pangaea {
@@ -29,13 +29,19 @@ Status EditStreamOptions::Check() const {
   return Fail(ErrorCode::kInvalidArgument, "uplink: fruitless_repairs and repairs must be >= 1");
 }
 
-Status EditStream::Take(std::shared_ptr<const Atlas> snapshot, std::span<const MapEdit> applied_since, PlanKind kind) {
+Status EditStream::Take(std::shared_ptr<const Atlas> snapshot, std::span<const MapEdit> applied_since, PlanKind kind,
+                        std::vector<ForgottenKeyframe> forgotten) {
   snapshot_ = std::move(snapshot);
   own_edits_.clear();
   kind_ = kind;
-  if (!repair_due()) return PlanAll(applied_since, options_.envelope_bytes);
-  planner_.Note(*snapshot_, applied_since);
-  return {};
+  Status status;
+  if (repair_due()) {
+    planner_.Note(*snapshot_, applied_since);
+  } else {
+    status = PlanAll(applied_since, options_.envelope_bytes, forgotten);
+  }
+  if (!forgotten.empty()) confirmed_.Forget(retained_.last_sequence(), std::move(forgotten));
+  return status;
 }
 
 std::vector<Rejection> EditStream::OnAck(const EditAck& ack, Time now) {
@@ -59,6 +65,7 @@ void EditStream::Confirm(const EditAck& ack) {
     const auto envelope = retained_.Find(sequence);
     const bool taken = !rejected.contains(sequence) && envelope && confirmed_.Take(*envelope, planner_.mirror());
     in_step_ = in_step_ && taken;
+    confirmed_.ComeTo(sequence);
   }
 }
 
@@ -119,8 +126,9 @@ bool EditStream::CountRepair() {
   return true;
 }
 
-Status EditStream::PlanAll(std::span<const MapEdit> applied_since, std::size_t envelope_bytes) {
-  UplinkPlan plan = planner_.Plan(*snapshot_, applied_since, kind_);
+Status EditStream::PlanAll(std::span<const MapEdit> applied_since, std::size_t envelope_bytes,
+                           std::span<const ForgottenKeyframe> forgotten) {
+  UplinkPlan plan = planner_.Plan(*snapshot_, applied_since, kind_, forgotten);
   if (!plan.own_edits.empty()) {
     // The agent will hold what it is asked to: a repair must not take it back.
     Atlas adopted = *snapshot_;

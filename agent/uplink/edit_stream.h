@@ -39,22 +39,27 @@ class EditStream {
   EditStream(SessionId session, const EditStreamOptions& options, SpillSink* spill)
       : session_(session), options_(options), planner_(options.planner, session), retained_(options.retained, spill) {}
 
-  // `snapshot` is the agent's atlas after `applied_since`, the edits applied to it since the previous call's snapshot.
+  // `snapshot` is the agent's atlas after `applied_since`, the edits applied to it since the previous call's snapshot,
+  // and after it has forgotten `forgotten`: so does what is known here of the server's, once it has come as far.
   // Everything is taken in any case; an error says that the spill sink refused envelopes, which stay in memory.
-  Status Take(std::shared_ptr<const Atlas> snapshot, std::span<const MapEdit> applied_since, PlanKind kind);
+  Status Take(std::shared_ptr<const Atlas> snapshot, std::span<const MapEdit> applied_since, PlanKind kind,
+              std::vector<ForgottenKeyframe> forgotten = {});
   // Returns the rejections that are new.
   std::vector<Rejection> OnAck(const EditAck& ack, Time now);
   // What the server had of this session, as far as is known here, when it made the correction: what PlanAbsorption
   // needs to know. Nothing while the acks are not that far yet, and where it was too long ago (IsTooOld).
   std::optional<Atlas> BaseOf(const AgentCorrection& correction);
   bool IsTooOld(const AgentCorrection& correction) const {
-    return correction.version <= version_ || correction.acknowledged < absorbed_at_;
+    return correction.version <= version_ || correction.acknowledged < absorbed_at_ ||
+           !confirmed_.Reaches(correction.acknowledged);
   }
   // The agent's atlas has absorbed the correction: so does what is known of the server's. BaseOf gave something before.
   // Follow it with Take of the atlas that absorbed it.
   void Absorb(const AgentCorrection& correction);
   // What the server has once it took everything sent, as far as is known here.
   const Atlas& mirror() const { return planner_.mirror(); }
+  // What it has for certain.
+  const Atlas& confirmed() const { return confirmed_.atlas(); }
   // Of the newest correction absorbed; 0 before any.
   std::uint64_t version() const { return version_; }
 
@@ -83,7 +88,8 @@ class EditStream {
   // What the server has once it took everything sent.
   Atlas Expected();
   bool CountRepair();
-  Status PlanAll(std::span<const MapEdit> applied_since, std::size_t envelope_bytes);
+  Status PlanAll(std::span<const MapEdit> applied_since, std::size_t envelope_bytes,
+                 std::span<const ForgottenKeyframe> forgotten = {});
   Status Retain(std::span<const MapEdit> edits, std::size_t envelope_bytes);
 
   SessionId session_;

@@ -3,6 +3,7 @@
 
 #include "agent/uplink/mirror_update.h"
 #include "common/map/edits/point_form.h"
+#include "common/map/forgetting.h"
 
 namespace pangaea {
 namespace {
@@ -40,7 +41,12 @@ void MirrorUpdate::MatchLandmarks(std::set<LandmarkId>& landmarks) {
 
 // Removes the landmark, or fuses it into what absorbed it. False while that is not sent.
 bool MirrorUpdate::MatchVanished(LandmarkId id, std::set<LandmarkId>& landmarks) {
-  if (!IsOwn(id) || mirror_.FindLandmark(id) == nullptr) return true;
+  if (mirror_.FindLandmark(id) == nullptr) return true;
+  if (!agent_.Knows(id)) {  // forgotten, not gone
+    RemoveWrongObservations(Landmark{id, {}, {}, {}});
+    return true;
+  }
+  if (!IsOwn(id)) return true;
   const LandmarkId kept = agent_.Resolve(id);
   // Another session's landmark that the server is not known to have: it will not get it from here.
   const bool lost = kept.valid() && !IsOwn(kept) && mirror_.FindLandmark(kept) == nullptr;
@@ -50,7 +56,7 @@ bool MirrorUpdate::MatchVanished(LandmarkId id, std::set<LandmarkId>& landmarks)
   }
   if (mirror_.FindLandmark(kept) == nullptr) {
     const Landmark& wanted = *agent_.FindLandmark(kept);
-    if (mirror_.FindKeyframe(wanted.reference) == nullptr) return false;
+    if (!Shows(wanted.reference)) return false;
     AddLandmarkItself(wanted, landmarks);
   }
   landmarks.insert(kept);
@@ -69,7 +75,7 @@ bool MirrorUpdate::IsOnTrial(const Landmark& wanted) const {
 bool MirrorUpdate::MatchLandmark(LandmarkId id, std::set<LandmarkId>& landmarks) {
   const Landmark& wanted = *agent_.FindLandmark(id);
   if (!IsOwn(id)) return MatchGuest(wanted, landmarks);
-  const bool has_reference = mirror_.FindKeyframe(wanted.reference) != nullptr;
+  const bool has_reference = Shows(wanted.reference);
   if (mirror_.FindLandmark(id) != nullptr) RemoveWrongObservations(wanted);
   if (mirror_.FindLandmark(id) == nullptr) {
     if (!has_reference || IsOnTrial(wanted)) return false;
@@ -96,6 +102,11 @@ bool MirrorUpdate::MatchGuest(const Landmark& wanted, std::set<LandmarkId>& land
   return true;
 }
 
+bool MirrorUpdate::Shows(KeyframeId id) const {
+  const Keyframe* keyframe = mirror_.FindKeyframe(id);
+  return keyframe != nullptr && !IsForgotten(*keyframe);
+}
+
 bool MirrorUpdate::HasGuests(const Landmark& landmark) const {
   return std::any_of(landmark.observations.begin(), landmark.observations.end(),
                      [this](const Observation& observation) { return !IsOwn(observation.keyframe); });
@@ -104,7 +115,9 @@ bool MirrorUpdate::HasGuests(const Landmark& landmark) const {
 void MirrorUpdate::RemoveWrongObservations(const Landmark& wanted) {
   const std::vector<Observation> present = mirror_.FindLandmark(wanted.id)->observations;
   for (const Observation& observation : present) {
-    if (IsOwn(observation.keyframe) && !Holds(wanted, observation))
+    const Keyframe* keyframe = agent_.FindKeyframe(observation.keyframe);
+    const bool forgotten = keyframe != nullptr && IsForgotten(*keyframe);
+    if (IsOwn(observation.keyframe) && !forgotten && !Holds(wanted, observation))
       Emit(RemoveObservation{wanted.id, observation.keyframe});
   }
 }
@@ -120,7 +133,7 @@ bool MirrorUpdate::AddLandmarkItself(const Landmark& wanted, std::set<LandmarkId
 
 void MirrorUpdate::AddMissingObservations(const Landmark& wanted, std::set<LandmarkId>& landmarks) {
   for (const Observation& observation : wanted.observations) {
-    if (!IsOwn(observation.keyframe) || mirror_.FindKeyframe(observation.keyframe) == nullptr) continue;
+    if (!IsOwn(observation.keyframe) || !Shows(observation.keyframe)) continue;
     if (ObservationAt(*mirror_.FindLandmark(wanted.id), observation.keyframe) != nullptr) continue;
     FreeKeypoint(observation.keyframe, observation.keypoint, wanted.id, landmarks);
     Emit(AddObservation{wanted.id, observation.keyframe, observation.keypoint});

@@ -65,6 +65,7 @@ class MirrorUpdate {
     return id.session == session_;
   }
   bool HasGuests(const Landmark& landmark) const;
+  bool Shows(KeyframeId id) const;  // the mirror has it and what it saw
 
   SessionId session_;
   const Atlas& agent_;

@@ -32,7 +32,8 @@ Status UplinkPlannerOptions::Check() const {
   return Fail(ErrorCode::kInvalidArgument, "uplink: thresholds of moves must be >= 0, the fraction also < 1");
 }
 
-UplinkPlan UplinkPlanner::Plan(const Atlas& snapshot, std::span<const MapEdit> applied_since, PlanKind kind) {
+UplinkPlan UplinkPlanner::Plan(const Atlas& snapshot, std::span<const MapEdit> applied_since, PlanKind kind,
+                               std::span<const ForgottenKeyframe> forgotten) {
   Note(snapshot, applied_since);
   if (kind == PlanKind::kFlush || std::exchange(everything_is_new_, false)) MarkEverything(snapshot);
 
@@ -41,7 +42,10 @@ UplinkPlan UplinkPlanner::Plan(const Atlas& snapshot, std::span<const MapEdit> a
   MirrorUpdate update(session_, snapshot, mirror_, plan.edits, min_observations);
   const MoveThresholds thresholds = Thresholds(kind);
   update.MoveKeyframes(std::exchange(moved_keyframes_, {}), thresholds);
-  const std::vector<KeyframeId> added = update.AddKeyframes(Settled(snapshot, kind));
+  std::vector<KeyframeId> due = Settled(snapshot, kind);
+  const std::vector<KeyframeId> early = UnsentObservers(snapshot, forgotten);
+  due.insert(due.end(), early.begin(), early.end());
+  const std::vector<KeyframeId> added = update.AddKeyframes(due);
   for (const KeyframeId id : added) unsent_.erase(id);
   MarkLandmarksOf(snapshot, added);
   keyframes_with_frames_.insert(added.begin(), added.end());
@@ -51,6 +55,7 @@ UplinkPlan UplinkPlanner::Plan(const Atlas& snapshot, std::span<const MapEdit> a
   update.MoveLandmarks(std::exchange(moved_landmarks_, {}), thresholds);
   update.AddFrames(std::exchange(keyframes_with_frames_, {}), thresholds);
   update.AddLoopEdges();
+  Forget(mirror_, forgotten);
   if (kind == PlanKind::kFlush) plan.own_edits = AgreeOnDigest(session_, snapshot, mirror_, plan.edits);
   return plan;
 }
@@ -75,7 +80,8 @@ void UplinkPlanner::Mark(const Atlas& snapshot, const MapEdit& edit) {
   std::visit(Overloaded{
                  [&](const AddKeyframe& e) {
                    if (!IsOwn(e.id)) return;
-                   unsent_.insert(e.id);
+                   // One that was forgotten and came back is there.
+                   if (mirror_.FindKeyframe(e.id) == nullptr) unsent_.insert(e.id);
                    newest_stamp_ns_ = std::max(newest_stamp_ns_, e.data->stamp_ns);
                  },
                  [&](const AddFramePoses& e) {
@@ -128,6 +134,25 @@ void UplinkPlanner::MarkLandmarksOf(const Atlas& snapshot, std::span<const Keyfr
       if (landmark.valid()) landmarks_.insert(landmark);
     }
   }
+}
+
+// What observes landmarks of forgotten keyframes and is not sent: without it the mirror would lose these landmarks, and
+// they would be sent as new ones later.
+std::vector<KeyframeId> UplinkPlanner::UnsentObservers(const Atlas& snapshot,
+                                                       std::span<const ForgottenKeyframe> forgotten) const {
+  std::vector<KeyframeId> observers;
+  for (const ForgottenKeyframe& keyframe : forgotten) {
+    const Keyframe* present = mirror_.FindKeyframe(keyframe.id);
+    if (present == nullptr) continue;
+    for (const LandmarkId id : present->landmarks) {
+      const Landmark* landmark = id.valid() ? snapshot.FindLandmark(snapshot.Resolve(id)) : nullptr;
+      if (landmark == nullptr) continue;
+      for (const Observation& observation : landmark->observations) {
+        if (unsent_.contains(observation.keyframe)) observers.push_back(observation.keyframe);
+      }
+    }
+  }
+  return observers;
 }
 
 std::vector<KeyframeId> UplinkPlanner::Settled(const Atlas& snapshot, PlanKind kind) const {

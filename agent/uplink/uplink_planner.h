@@ -11,6 +11,7 @@
 #include "common/base/result.h"
 #include "common/map/atlas.h"
 #include "common/map/edits/edits.h"
+#include "common/map/forgetting.h"
 
 namespace pangaea {
 
@@ -52,8 +53,10 @@ class UplinkPlanner {
  public:
   UplinkPlanner(const UplinkPlannerOptions& options, SessionId session) : options_(options), session_(session) {}
 
-  // `snapshot` is the agent's atlas after `applied_since`, the edits applied to it since the previous call's snapshot.
-  UplinkPlan Plan(const Atlas& snapshot, std::span<const MapEdit> applied_since, PlanKind kind);
+  // `snapshot` is the agent's atlas after `applied_since`, the edits applied to it since the previous call's snapshot,
+  // and after it has forgotten `forgotten`, as the mirror does then.
+  UplinkPlan Plan(const Atlas& snapshot, std::span<const MapEdit> applied_since, PlanKind kind,
+                  std::span<const ForgottenKeyframe> forgotten = {});
 
   // The maps that the agent closed and the server has not. For when the server has taken everything else: a closed map
   // takes no more keyframes, not even those of a repair.
@@ -70,6 +73,7 @@ class UplinkPlanner {
   void Mark(const Atlas& snapshot, const MapEdit& edit);
   void MarkEverything(const Atlas& snapshot);
   void MarkLandmarksOf(const Atlas& snapshot, std::span<const KeyframeId> keyframes);
+  std::vector<KeyframeId> UnsentObservers(const Atlas& snapshot, std::span<const ForgottenKeyframe> forgotten) const;
   std::vector<KeyframeId> Settled(const Atlas& snapshot, PlanKind kind) const;
   MoveThresholds Thresholds(PlanKind kind) const;
 

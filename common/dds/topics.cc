@@ -137,8 +137,8 @@ std::int32_t TopicTraits<Value>::Write(std::int32_t writer, const Value& value) 
     const auto sample = BorrowAsIdl(value, rejections);
     return dds_write(writer, &sample);
   } else if constexpr (std::is_same_v<Value, MapInterest>) {
-    std::vector<pangaea_wire_ItemId> guests;
-    const auto sample = BorrowAsIdl(value, guests);
+    std::vector<pangaea_wire_ItemId> ids;
+    const auto sample = BorrowAsIdl(value, ids);
     return dds_write(writer, &sample);
   } else if constexpr (std::is_same_v<Value, RelocalizationRequest>) {
     std::vector<std::byte> octets;

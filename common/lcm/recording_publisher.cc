@@ -38,7 +38,7 @@ Status RecordingPublisher::Publish(const DatasetFrame& frame) {
   }
   const ImageSize size{dataset_.rig.left.width, dataset_.rig.left.height};
   std::vector<image_t> images;
-  for (const std::filesystem::path& path : {frame.left, frame.right}) {
+  for (const std::string& path : {frame.left, frame.right}) {
     if (path.empty()) continue;
     auto message = options_.send_files
                        ? FileMessage(path, size)

@@ -3,12 +3,13 @@
 #include <span>
 
 #include "common/map/atlas.h"
+#include "common/map/forgetting.h"
 #include "common/map/map_edit.h"
 
 namespace pangaea {
 
-// The only door through which an atlas changes; Apply and DecodeAtlas alone can open it. Each operation keeps both
-// sides of the relations it touches in step and expects what it names to be alive: validate first.
+// The only door through which an atlas changes; Apply, Forget and DecodeAtlas alone can open it. Each operation keeps
+// both sides of the relations it touches in step and expects what it names to be alive: validate first.
 class AtlasEditor {
  public:
   const Atlas& atlas() const { return atlas_; }
@@ -37,14 +38,22 @@ class AtlasEditor {
   // edges with it. The last of a map takes the map with it and is gone.
   void RemoveKeyframe(KeyframeId id);
   void WriteFormerKeyframe(KeyframeId id, const CulledKeyframe* culled);  // nullptr: gone
-  void InsertFrames(KeyframeId id, std::span<const FramePose> frames);    // later ones replace earlier of their stamp
-  void ForwardMap(MapId absorbed, MapId survivor);                        // takes `absorbed` from the living
+  // Takes what it saw. Landmarks that nobody else observes leave no trace.
+  void ForgetKeyframe(KeyframeId id);
+  // Gives one that was forgotten its features back; it observes nothing yet.
+  void RecallKeyframe(KeyframeId id, std::shared_ptr<const KeyframeData> data);
+  // Gives back the memory of landmark ids that live no more, where they are many; they leave no trace then. Not those
+  // that were in use lately. With them go those that forward to what left no trace.
+  void DropFormerLandmarks();
+  void InsertFrames(KeyframeId id, std::span<const FramePose> frames);  // later ones replace earlier of their stamp
+  void ForwardMap(MapId absorbed, MapId survivor);                      // takes `absorbed` from the living
   std::vector<LoopEdge>& WriteLoopEdges();
   void SetVersion(std::uint64_t version) { atlas_.version_ = version; }
 
  private:
   explicit AtlasEditor(Atlas& atlas) : atlas_(atlas) {}
   friend Status Apply(const MapEdit& edit, Atlas& atlas);
+  friend void Forget(Atlas& atlas, std::span<const ForgottenKeyframe> keyframes);
   friend class AtlasDecoder;
   friend struct BrokenAtlas;  // of the consistency check's test
 
@@ -55,6 +64,7 @@ class AtlasEditor {
   void CountLandmark(LandmarkId id, MapId map, int change);
   void EraseLandmark(LandmarkId id, MapId map);
   void RehangLoopEdges(KeyframeId id, const CulledKeyframe& culled);
+  void DropForwardsToNothing();
   void ChangeCovisibility(KeyframeId a, KeyframeId b, int change);
 
   Atlas& atlas_;

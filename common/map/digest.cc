@@ -5,6 +5,7 @@
 
 #include "common/base/bytes.h"
 #include "common/base/hash.h"
+#include "common/map/forgetting.h"
 
 namespace pangaea {
 namespace {
@@ -27,9 +28,10 @@ class DigestWriter {
   }
 
   // As far as both sides know it: the server may have merged the map into another, and others may observe the landmark.
-  void AddOfSession(const Keyframe& keyframe) {
+  void AddOfSession(const Keyframe& keyframe, bool forgotten) {
     AddId(keyframe.id);
     AddPose(keyframe);
+    if (forgotten) return;
     for (const LandmarkId landmark : keyframe.landmarks) AddId(landmark);
   }
   void AddOfSession(const Landmark& landmark) { AddPoint(landmark); }
@@ -77,13 +79,17 @@ std::uint64_t Digest(const Atlas& atlas, std::optional<MapId> map) {
   return digest.Finish();
 }
 
-std::uint64_t DigestOfSession(const Atlas& atlas, SessionId session) {
+std::uint64_t DigestOfSession(const Atlas& atlas, SessionId session, const std::set<KeyframeId>& forgotten) {
   DigestWriter digest;
-  atlas.ForEachKeyframe(session, [&](const Keyframe& keyframe) { digest.AddOfSession(keyframe); });
+  atlas.ForEachKeyframe(session, [&](const Keyframe& keyframe) {
+    digest.AddOfSession(keyframe, IsForgotten(keyframe) || forgotten.contains(keyframe.id));
+  });
+  // An agent that does not hold the keyframes of others that see it cannot know the landmark.
+  const auto is_observer = [&](const Observation& observation) {
+    return observation.keyframe.session == session && !forgotten.contains(observation.keyframe);
+  };
   atlas.ForEachLandmark(session, [&](const Landmark& landmark) {
-    // An agent that does not hold the keyframes of others that see it cannot know the landmark.
-    const auto own = [session](const Observation& observation) { return observation.keyframe.session == session; };
-    if (std::ranges::any_of(landmark.observations, own)) digest.AddOfSession(landmark);
+    if (std::ranges::any_of(landmark.observations, is_observer)) digest.AddOfSession(landmark);
   });
   return digest.Finish();
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
 
 #include "common/map/atlas.h"
 
@@ -17,7 +18,8 @@ inline constexpr double kDigestRotation = 1e-5;
 std::uint64_t Digest(const Atlas& atlas, std::optional<MapId> map = std::nullopt);
 // Of the keyframes that carry the session's ids: poses and what they observe; of the landmarks that do and that one of
 // them observes: positions. It does not depend on what other sessions observe, nor on which map they are in by now: an
-// agent and the server have it in common whatever the server has merged, once corrections are absorbed.
-std::uint64_t DigestOfSession(const Atlas& atlas, SessionId session);
+// agent and the server have it in common whatever the server has merged, once corrections are absorbed. A keyframe that
+// is forgotten, here or (as `forgotten` says) by the agent to compare with, counts with its pose alone.
+std::uint64_t DigestOfSession(const Atlas& atlas, SessionId session, const std::set<KeyframeId>& forgotten = {});
 
 }  // namespace pangaea

@@ -15,8 +15,9 @@ namespace pangaea {
 // The images of one instant. The files need not exist: reading them says so.
 struct DatasetFrame {
   std::int64_t stamp_ns = 0;
-  std::filesystem::path left;
-  std::filesystem::path right;  // empty for a monocular sensor
+  // Texts: a std::filesystem::path keeps all its components, a kilobyte each, and an hour has 144,000 files.
+  std::string left;
+  std::string right;  // empty for a monocular sensor
 };
 
 // A recorded sequence: everything but the pixels.

@@ -14,7 +14,7 @@ namespace pangaea {
 // An image of one camera and when it was taken.
 struct StampedFile {
   std::int64_t stamp_ns = 0;
-  std::filesystem::path path;
+  std::string path;
 };
 
 // Keeps as many items as can be kept with ascending stamps (a longest increasing subsequence), so that one stray stamp

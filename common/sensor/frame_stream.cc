@@ -1,6 +1,5 @@
 #include "common/sensor/frame_stream.h"
 
-#include <filesystem>
 #include <utility>
 
 #include "common/sensor/image.h"
@@ -21,7 +20,7 @@ class DatasetStream final : public FrameStream {
   std::optional<std::size_t> frame_count() const override { return frames_.size(); }
 
  private:
-  ImageLoader LoaderOf(const std::filesystem::path& path) const {
+  ImageLoader LoaderOf(const std::string& path) const {
     if (path.empty()) return {};
     return [path, size = size_] { return ReadGrayImage(path, size); };
   }

@@ -46,7 +46,7 @@ std::optional<StampedFile> ParseImage(const Fields& fields, const TableFormat& f
     const std::string_view name = fields[i + 1];
     if (name.empty() || !name.starts_with(prefix)) continue;
     const auto stamp = ParseStamp(fields[i], format);
-    return stamp ? std::optional(StampedFile{*stamp, name}) : std::nullopt;
+    return stamp ? std::optional(StampedFile{*stamp, std::string(name)}) : std::nullopt;
   }
   return std::nullopt;
 }
@@ -93,7 +93,7 @@ Result<std::vector<StampedFile>> ReadImageTable(const fs::path& file, const Tabl
       file, format, [&](const Fields& fields) { return ParseImage(fields, format, prefix); }, warnings);
   if (!images) return images;
   if (images->empty()) return Fail(ErrorCode::kCorrupt, file.string() + ": lists no images");
-  for (StampedFile& image : *images) image.path = folder / image.path;
+  for (StampedFile& image : *images) image.path = (folder / image.path).string();
   return images;
 }
 

@@ -36,7 +36,10 @@ Status Refuse(const std::string& what) { return Fail(ErrorCode::kInvalidArgument
 
 Status RecordingOptions::Check() const {
   if (sessions < 1 || sessions > 100) return Refuse("sessions must be 1 to 100");
-  if (!(seconds > 0.0 && seconds <= 7000.0)) return Refuse("seconds must be above 0 and at most 7000");
+  if (laps < 1 || laps > 100'000) return Refuse("laps must be 1 to 100000");
+  if (!(seconds > 0.0 && seconds * laps <= 7000.0)) {
+    return Refuse("seconds must be above 0, and at most 7000 in all laps together");
+  }
   if (!(rate >= 1.0 && rate <= 200.0)) return Refuse("rate must be 1 to 200 images a second");
   if (blur < 1 || blur > 64) return Refuse("blur must be 1 to 64 pictures");
   if (!(exposure_drift >= 0.0 && exposure_drift <= 0.9)) return Refuse("exposure drift must be 0 to 0.9");
@@ -93,6 +96,23 @@ int Recording::frame_count() const {
   return std::max(static_cast<int>(std::floor(options_.seconds * options_.rate + 1e-9)), 1);
 }
 
+int Recording::total_frame_count() const { return options_.laps * (frame_count() - 1) + 1; }
+
+int Recording::PictureOf(int frame) const {
+  const int steps = frame_count() - 1;
+  if (steps == 0) return 0;
+  const int phase = frame % (2 * steps);
+  return phase <= steps ? phase : 2 * steps - phase;
+}
+
+// The time of the first lap at which the camera was where it is `seconds` after the first image.
+double Recording::SecondsOfFlight(double seconds) const {
+  const double lap = (frame_count() - 1) / options_.rate;
+  if (options_.laps == 1 || lap == 0.0) return seconds;
+  const double phase = std::fmod(seconds, 2.0 * lap);
+  return phase <= lap ? phase : 2.0 * lap - phase;
+}
+
 std::int64_t Recording::FrameStamp(int session, int frame) const {
   return kFirstStamp + session * kBetweenSessions +
          std::llround(static_cast<double>(frame) * static_cast<double>(kSecond) / options_.rate);
@@ -104,15 +124,17 @@ double Recording::Seconds(int session, std::int64_t stamp_ns) const {
 
 std::vector<TruthSample> Recording::GroundTruth(int session) const {
   std::vector<std::int64_t> stamps;
-  const std::int64_t last = FrameStamp(session, frame_count() - 1);
+  const std::int64_t last = FrameStamp(session, total_frame_count() - 1);
   for (std::int64_t stamp = FrameStamp(session, 0); stamp <= last; stamp += kTruthPeriod) stamps.push_back(stamp);
-  for (int frame = 0; frame < frame_count(); ++frame) stamps.push_back(FrameStamp(session, frame));
+  for (int frame = 0; frame < total_frame_count(); ++frame) stamps.push_back(FrameStamp(session, frame));
   std::sort(stamps.begin(), stamps.end());
   stamps.erase(std::unique(stamps.begin(), stamps.end()), stamps.end());
   std::vector<TruthSample> samples;
   for (const std::int64_t stamp : stamps) {
     const double seconds = Seconds(session, stamp);
-    samples.push_back({stamp, flight(session).WorldFromBody(seconds), flight(session).Velocity(seconds)});
+    const double there = SecondsOfFlight(seconds);
+    const double direction = there == seconds || SecondsOfFlight(seconds + 1e-6) > there ? 1.0 : -1.0;
+    samples.push_back({stamp, flight(session).WorldFromBody(there), direction * flight(session).Velocity(there)});
   }
   return samples;
 }

@@ -19,7 +19,10 @@ namespace pangaea {
 
 struct RecordingOptions {
   int sessions = 3;
-  double seconds = 20.0;  // of each session
+  double seconds = 20.0;  // of each session's flight
+  // How often it is flown, to and fro: later laps show the pictures of the first, every other one in reverse, under
+  // later stamps. An hour costs no more pictures than its first lap.
+  int laps = 1;
   std::uint64_t seed = 1;
   double rate = 20.0;  // images a second
   SensorKind sensor = SensorKind::kStereo;
@@ -62,7 +65,10 @@ class Recording {
   const CameraRig& rig() const { return rig_; }
   const Scene& scene() const { return scene_; }
   const Flight& flight(int session) const { return flights_[static_cast<std::size_t>(session)]; }
-  int frame_count() const;
+  int frame_count() const;  // of one lap: so many pictures there are
+  int total_frame_count() const;
+  // The picture that a frame of any lap shows.
+  int PictureOf(int frame) const;
   std::int64_t FrameStamp(int session, int frame) const;
   // Seconds since the session's first image.
   double Seconds(int session, std::int64_t stamp_ns) const;
@@ -72,6 +78,8 @@ class Recording {
   double Exposure(int session, double seconds) const;
 
  private:
+  double SecondsOfFlight(double seconds) const;
+
   RecordingOptions options_;
   CameraRig rig_;
   Scene scene_;

@@ -63,9 +63,9 @@ std::string ImageName(std::int64_t stamp_ns) { return std::to_string(stamp_ns) +
 
 std::string ImageList(const Recording& recording, int session) {
   std::string text = "#timestamp [ns],filename\n";
-  for (int frame = 0; frame < recording.frame_count(); ++frame) {
-    const std::int64_t stamp = recording.FrameStamp(session, frame);
-    text += std::to_string(stamp) + "," + ImageName(stamp) + "\n";
+  for (int frame = 0; frame < recording.total_frame_count(); ++frame) {
+    const std::string picture = ImageName(recording.FrameStamp(session, recording.PictureOf(frame)));
+    text += std::to_string(recording.FrameStamp(session, frame)) + "," + picture + "\n";
   }
   return text;
 }

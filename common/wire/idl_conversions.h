@@ -31,7 +31,7 @@ namespace pangaea {
 inline constexpr std::size_t kMaxWireText = 4096;
 inline constexpr std::size_t kMaxStatusBytes = 4U << 20U;
 inline constexpr std::size_t kMaxRejections = 1024;
-inline constexpr std::size_t kMaxGuests = 100'000;
+inline constexpr std::size_t kMaxInterestIds = 100'000;
 inline constexpr std::size_t kMaxFrameBytes = 1U << 20U;
 
 // The C structs borrow the octets and texts of the value: they are valid as long as it is, and are never freed.
@@ -43,8 +43,8 @@ pangaea_wire_AgentState BorrowAsIdl(const AgentState& value);
 pangaea_wire_AtlasStatus BorrowAsIdl(const AtlasStatus& value);
 pangaea_wire_AtlasEvent BorrowAsIdl(const AtlasEvent& value);
 pangaea_wire_CorrectionPart BorrowAsIdl(const CorrectionPart& value);
-// `guests` and `octets` hold what the result borrows.
-pangaea_wire_MapInterest BorrowAsIdl(const MapInterest& value, std::vector<pangaea_wire_ItemId>& guests);
+// `ids` and `octets` hold what the result borrows.
+pangaea_wire_MapInterest BorrowAsIdl(const MapInterest& value, std::vector<pangaea_wire_ItemId>& ids);
 pangaea_wire_RelocalizationRequest BorrowAsIdl(const RelocalizationRequest& value, std::vector<std::byte>& octets);
 pangaea_wire_RelocalizationAnswer BorrowAsIdl(const RelocalizationAnswer& value);
 pangaea_wire_UndoRequest BorrowAsIdl(const UndoRequest& value);

@@ -70,30 +70,42 @@ Result<CorrectionPart> FromIdl(const pangaea_wire_CorrectionPart& sample) {
       sample.checksum, {octets.begin(), octets.end()}};
 }
 
-pangaea_wire_MapInterest BorrowAsIdl(const MapInterest& value, std::vector<pangaea_wire_ItemId>& guests) {
-  guests.clear();
-  for (const KeyframeId id : value.guests) guests.push_back(ToIdl(id));
-  const auto size = static_cast<std::uint32_t>(guests.size());
+pangaea_wire_MapInterest BorrowAsIdl(const MapInterest& value, std::vector<pangaea_wire_ItemId>& ids) {
+  ids.clear();
+  ids.reserve(value.guests.size() + value.held.size() + value.wanted.size());
+  const auto borrow = [&ids](const std::vector<KeyframeId>& list, auto& sequence) {
+    const auto size = static_cast<std::uint32_t>(list.size());
+    sequence = {._maximum = size, ._length = size, ._buffer = ids.data() + ids.size(), ._release = false};
+    for (const KeyframeId id : list) ids.push_back(ToIdl(id));
+  };
   pangaea_wire_MapInterest sample{};
   sample.session = value.session;
   sample.applied_version = value.applied_version;
   sample.map_id = ToIdl(value.map);
   sample.reference = ToIdl(value.reference);
-  sample.guests = {._maximum = size, ._length = size, ._buffer = guests.data(), ._release = false};
+  borrow(value.guests, sample.guests);
+  borrow(value.held, sample.held);
+  borrow(value.wanted, sample.wanted);
   return sample;
 }
 
 Result<MapInterest> FromIdl(const pangaea_wire_MapInterest& sample) {
   MapInterest interest{
       sample.session, sample.applied_version, IdOf<MapId>(sample.map_id), IdOf<KeyframeId>(sample.reference), {}};
-  const std::uint32_t count = sample.guests._buffer == nullptr ? 0 : sample.guests._length;
-  if (count > kMaxGuests) {
-    return Fail(ErrorCode::kInvalidArgument, "more than " + std::to_string(kMaxGuests) + " guests");
+  for (const auto& [from, to] : {std::pair(&sample.guests, &interest.guests), std::pair(&sample.held, &interest.held),
+                                 std::pair(&sample.wanted, &interest.wanted)}) {
+    const std::uint32_t count = from->_buffer == nullptr ? 0 : from->_length;
+    if (count > kMaxInterestIds) {
+      return Fail(ErrorCode::kInvalidArgument,
+                  "an interest with more than " + std::to_string(kMaxInterestIds) + " keyframes of a kind");
+    }
+    for (std::uint32_t i = 0; i < count; ++i) to->push_back(IdOf<KeyframeId>(from->_buffer[i]));
   }
-  for (std::uint32_t i = 0; i < count; ++i) interest.guests.push_back(IdOf<KeyframeId>(sample.guests._buffer[i]));
+  const auto can_be = [](const std::vector<KeyframeId>& ids) {
+    return std::all_of(ids.begin(), ids.end(), [](KeyframeId id) { return CheckNewId(id).has_value(); });
+  };
   const bool sound = interest.session != 0 && IsIdOrNone(interest.map) && IsIdOrNone(interest.reference) &&
-                     std::all_of(interest.guests.begin(), interest.guests.end(),
-                                 [](KeyframeId id) { return CheckNewId(id).has_value(); });
+                     can_be(interest.guests) && can_be(interest.held) && can_be(interest.wanted);
   if (!sound) return Fail(ErrorCode::kInvalidArgument, "an interest of session 0, or with impossible ids");
   return interest;
 }

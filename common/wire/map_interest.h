@@ -14,6 +14,10 @@ struct MapInterest {
   MapId map;                          // the agent's name of the map it is in; none while it has none
   KeyframeId reference;               // the keyframe its camera is near to; none while it has none
   std::vector<KeyframeId> guests;     // keyframes of other sessions that it holds, ascending
+  // Those of its own session of which it holds what they saw, ascending; the others it has forgotten, except those with
+  // higher counters, which are newer than this. Empty: all of them.
+  std::vector<KeyframeId> held = {};
+  std::vector<KeyframeId> wanted = {};  // what it has forgotten and wants back, nearest to its camera first
   bool operator==(const MapInterest&) const = default;
 };
 

@@ -4,6 +4,7 @@
 #include <set>
 #include <utility>
 
+#include "common/map/forgetting.h"
 #include "server/downlink/piece_changes.h"
 
 namespace pangaea {
@@ -20,6 +21,7 @@ std::uint64_t PositionOf(std::uint64_t version) { return version / kMostAtOnePos
 void SessionDownlink::Take(const MapInterest& interest) {
   const bool moved = interest_ && interest_->reference != interest.reference;
   interest_ = interest;
+  given_.insert(interest.guests.begin(), interest.guests.end());
   if (sent_ && interest.applied_version >= sent_->version) Confirm();
   if (!moved) return;
   not_wanted_.clear();
@@ -30,7 +32,7 @@ void SessionDownlink::Confirm() {
   confirmed_ = std::exchange(sent_, std::nullopt);
   place_told_ = place_told_ || confirmed_->place == place_;
   for (const KeyframeId id : confirmed_->new_guests) {
-    if (!std::ranges::binary_search(interest_->guests, id)) not_wanted_.insert(id);
+    if (!Holds(id)) not_wanted_.insert(id);
   }
 }
 
@@ -81,21 +83,37 @@ bool SessionDownlink::IsConcerned(const SessionView& view) const {
 std::vector<MapId> SessionDownlink::ConcernedMaps(const Atlas& atlas) const {
   std::set<MapId> maps;
   atlas.ForEachKeyframe(session_, [&](const Keyframe& keyframe) { maps.insert(keyframe.map); });
-  for (const KeyframeId id : interest_->guests) {
-    if (const Keyframe* guest = atlas.FindKeyframe(id)) maps.insert(guest->map);
+  for (const auto* ids : {&interest_->guests, &interest_->wanted}) {
+    for (const KeyframeId id : *ids) {
+      if (const Keyframe* guest = atlas.FindKeyframe(id)) maps.insert(guest->map);
+    }
   }
   if (const Keyframe* near = atlas.FindKeyframe(atlas.Resolve(interest_->reference))) maps.insert(near->map);
   if (const Keyframe* place = atlas.FindKeyframe(atlas.Resolve(place_))) maps.insert(place->map);
   return {maps.begin(), maps.end()};
 }
 
+bool SessionDownlink::Holds(KeyframeId id) const {
+  if (id.session != session_) return std::ranges::binary_search(interest_->guests, id);
+  const std::vector<KeyframeId>& held = interest_->held;
+  return held.empty() || id > held.back() || std::ranges::binary_search(held, id);
+}
+
+// What the agent asks back, then what is around its camera.
 std::vector<KeyframeId> SessionDownlink::NewGuests(const Atlas& atlas) const {
-  const KeyframeId near = place_.valid() ? place_ : interest_->reference;
-  std::vector<KeyframeId> guests = ChooseGuests(atlas, near, session_, options_);
-  std::erase_if(guests, [this](KeyframeId id) {
-    return std::ranges::binary_search(interest_->guests, id) || not_wanted_.contains(id);
+  const bool is_found = place_.valid();
+  std::vector<KeyframeId> guests = interest_->wanted;
+  // Where a lost camera was found it needs what it has forgotten, too. Else it asks back what it was given once.
+  const SessionId others = is_found ? SessionId{0} : session_;
+  for (const KeyframeId id : ChooseGuests(atlas, is_found ? place_ : interest_->reference, others, options_)) {
+    const bool known = !is_found && given_.contains(id);
+    if (!known && std::ranges::find(guests, id) == guests.end()) guests.push_back(id);
+  }
+  std::erase_if(guests, [&](KeyframeId id) {
+    const Keyframe* keyframe = atlas.FindKeyframe(id);
+    return Holds(id) || not_wanted_.contains(id) || keyframe == nullptr || IsForgotten(*keyframe);
   });
-  guests.resize(std::min(guests.size(), place_.valid() ? options_.found_at_once : options_.new_at_once));
+  guests.resize(std::min(guests.size(), is_found ? options_.found_at_once : options_.new_at_once));
   return guests;
 }
 
@@ -114,7 +132,8 @@ bool SessionDownlink::WasSeparated(const Atlas& atlas, KeyframeId guest) const {
 }
 
 // All keyframes of the session in the map, what it holds of others, and what is new to it. A keyframe without its
-// features is 60 bytes: which of them the agent knows in which state is not worth finding out.
+// features is 60 bytes: which of them the agent knows in which state is not worth finding out. Of what it has forgotten
+// it needs to know no more than where it is.
 MapPiece SessionDownlink::PieceOf(MapId map, const SessionView& view, const std::vector<KeyframeId>& new_guests) const {
   const Atlas& atlas = view.atlas;
   const KnownState known = confirmed_ ? KnownState{&confirmed_->atlas, confirmed_->position}
@@ -131,7 +150,11 @@ MapPiece SessionDownlink::PieceOf(MapId map, const SessionView& view, const std:
   std::ranges::copy_if(interest_->guests, std::back_inserter(selection.keyframes), is_here);
   selection.held.insert(selection.keyframes.begin(), selection.keyframes.end());
   std::ranges::copy_if(new_guests, std::back_inserter(selection.keyframes), is_here);
-  selection.landmarks = ChangedLandmarks(atlas, known, selection.keyframes, {new_guests.begin(), new_guests.end()});
+  const std::set<KeyframeId> fresh(new_guests.begin(), new_guests.end());
+  for (const KeyframeId id : fresh) selection.held.erase(id);
+  std::vector<KeyframeId> seen_from = selection.keyframes;
+  std::erase_if(seen_from, [&](KeyframeId id) { return !fresh.contains(id) && !Holds(id); });
+  selection.landmarks = ChangedLandmarks(atlas, known, seen_from, fresh);
   selection.former_landmarks = FormerLandmarks(atlas, known, session_);
   std::ranges::copy_if(selection.landmarks, std::back_inserter(selection.released_landmarks),
                        [&](LandmarkId id) { return atlas.MapOf(*atlas.FindLandmark(id)) != map; });

@@ -21,9 +21,9 @@ struct SessionView {
 };
 
 // What one agent has to be told of the atlas: what the server changed of its keyframes and landmarks, and the keyframes
-// of other sessions around its camera. One correction at a time: what comes up until the agent has applied it goes into
-// the next one, so that an agent that is slow, or a time of many changes, costs one correction and not many. A value
-// without a clock or a network.
+// around its camera that are of other sessions or that it has forgotten. One correction at a time: what comes up until
+// the agent has applied it goes into the next one, so that an agent that is slow, or a time of many changes, costs one
+// correction and not many. A value without a clock or a network.
 class SessionDownlink {
  public:
   SessionDownlink(SessionId session, const GuestOptions& options) : session_(session), options_(options) {}
@@ -62,6 +62,8 @@ class SessionDownlink {
   bool IsConcerned(const SessionView& view) const;
   bool HasPartIn(const Atlas& atlas, MapId map) const;
   bool WasSeparated(const Atlas& atlas, KeyframeId guest) const;
+  // Whether the agent has what the keyframe saw.
+  bool Holds(KeyframeId id) const;
   MapPiece PieceOf(MapId map, const SessionView& view, const std::vector<KeyframeId>& new_guests) const;
 
   SessionId session_;
@@ -70,6 +72,7 @@ class SessionDownlink {
   KeyframeId place_;  // where the agent was found
   bool place_told_ = true;
   std::set<KeyframeId> not_wanted_;  // guests that it was given here and did not keep
+  std::set<KeyframeId> given_;       // guests that it held at some time: those that it forgot it asks back
   std::optional<Told> sent_;         // and not yet applied
   std::optional<Told> confirmed_;    // the newest applied
   std::uint64_t sent_version_ = 0;

@@ -9,12 +9,16 @@ namespace {
 
 struct Reconcile {
   const Error& error;
-  const Atlas& atlas;
+  Atlas& atlas;
 
-  // It was fused into another here.
+  // It was fused into another here; or the agent has forgotten it and says it anew, as it knows it now.
   Status operator()(const AddLandmark& edit) const {
-    if (atlas.Resolve(edit.id).valid()) return {};
-    return tl::make_unexpected(error);
+    const LandmarkId present = atlas.Resolve(edit.id);
+    if (!present.valid()) return tl::make_unexpected(error);
+    if (present != edit.id) return {};
+    (void)Apply(AddObservation{edit.id, edit.reference, edit.keypoint}, atlas);
+    (void)Apply(MoveLandmarks{{{edit.id, edit.point_in_reference, edit.reference, edit.reference_scale}}}, atlas);
+    return {};
   }
   // Both are alive, but in maps that are two by now.
   Status operator()(const AddObservation&) const { return {}; }

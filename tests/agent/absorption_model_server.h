@@ -16,6 +16,8 @@
 #include "common/wire/agent_correction.h"
 #include "common/wire/edit_ack.h"
 #include "common/wire/envelope.h"
+#include "common/wire/map_interest.h"
+#include "server/ingest/agent_edit.h"
 
 namespace pangaea {
 
@@ -35,7 +37,7 @@ class CorrectingServer {
     ASSERT_TRUE(edits);
     for (const MapEdit& edit : *edits) {
       ASSERT_TRUE(TouchesOnly(edit, session_)) << KindName(edit);
-      const Status status = Apply(edit, atlas);
+      const Status status = ApplyAgentEdit(edit, atlas);
       ASSERT_TRUE(status) << KindName(edit) << ": " << status.error().message;
       NoteInVain(edit);
     }
@@ -63,8 +65,8 @@ class CorrectingServer {
     }
   }
 
-  // The state as it is, of all that it changed since the last correction.
-  AgentCorrection Tell() {
+  // The state as it is, of all that it changed since the last correction, and what the agent asks back.
+  AgentCorrection Tell(const MapInterest& interest = {}) {
     AgentCorrection correction{session_, 1, ++version_, up_to, {}};
     std::map<MapId, PieceSelection> selections;
     const auto selection_of = [&](MapId map) -> PieceSelection& {
@@ -90,11 +92,13 @@ class CorrectingServer {
     if (selections.empty() && !atlas.Maps().empty()) (void)selection_of(atlas.Maps().front());
     for (auto& [map, selection] : selections) {
       for (const Keyframe* keyframe : Keyframes(session_)) selection.keyframes.push_back(keyframe->id);
+      for (const KeyframeId id : interest.wanted) Recall(id, selection);
       selection.former_landmarks = {landmarks_.begin(), landmarks_.end()};
       selection.culled = {keyframes_.begin(), keyframes_.end()};
       for (const KeyframeId id : selection.keyframes) {
         if (id.session == session_) selection.held.insert(id);
       }
+      for (const KeyframeId id : interest.wanted) selection.held.erase(id);
       correction.pieces.push_back(CutPiece(atlas, selection));
     }
     keyframes_.clear();
@@ -109,6 +113,14 @@ class CorrectingServer {
   std::uint64_t up_to = 0;
 
  private:
+  void Recall(KeyframeId id, PieceSelection& selection) const {
+    const Keyframe* keyframe = atlas.FindKeyframe(id);
+    if (keyframe == nullptr || keyframe->map != selection.map) return;
+    selection.keyframes.push_back(id);
+    for (const LandmarkId landmark : keyframe->landmarks) {
+      if (landmark.valid()) selection.landmarks.push_back(landmark);
+    }
+  }
   int Below(std::size_t bound) { return static_cast<int>(random_() % bound); }
   double Uniform() { return std::uniform_real_distribution<double>(-1.0, 1.0)(random_); }
   Eigen::Vector3d Vector(double size) { return size * Eigen::Vector3d(Uniform(), Uniform(), Uniform()); }

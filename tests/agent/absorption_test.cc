@@ -5,9 +5,12 @@
 #include <deque>
 #include <random>
 
+#include "agent/uplink/digest_grid.h"
 #include "agent/uplink/edit_stream.h"
+#include "agent/uplink/kept_keyframes.h"
 #include "common/map/consistency.h"
 #include "common/map/digest.h"
+#include "common/map/forgetting.h"
 #include "tests/agent/absorption_model_server.h"
 #include "tests/agent/uplink_random_history.h"
 
@@ -22,8 +25,12 @@ std::shared_ptr<const Atlas> SnapshotOf(const Atlas& atlas) { return std::make_s
 // An agent with its uplink, and a server that corrects it.
 class Correspondence {
  public:
-  explicit Correspondence(std::uint64_t seed)
-      : random_(seed), agent(seed, true), server(kSession, seed + 1000), stream(kSession, Options(), nullptr) {
+  explicit Correspondence(std::uint64_t seed, bool forgets = false)
+      : random_(seed),
+        forgets_(forgets),
+        agent(seed, true),
+        server(kSession, seed + 1000),
+        stream(kSession, Options(), nullptr) {
     stream.retained().OnServerPresent(true);
   }
 
@@ -41,9 +48,27 @@ class Correspondence {
     stream.OnAck(server.Ack(), Time());
     ASSERT_TRUE(stream.Continue());
   }
-  void Plan(PlanKind kind = PlanKind::kOngoing) {
+  void Plan(PlanKind kind = PlanKind::kOngoing, std::vector<ForgottenKeyframe> forgetting = {}) {
     const std::vector<MapEdit> edits = agent.Take();
-    ASSERT_TRUE(stream.Take(SnapshotOf(agent.atlas()), edits, kind));
+    const auto snapshot = SnapshotOf(agent.atlas());
+    ASSERT_TRUE(stream.Take(snapshot, edits, kind, std::move(forgetting)));
+    if (!forgets_) return;
+    // The server may know an older one.
+    if (random_() % 2 == 0) interest = InterestOf(kSession, *snapshot, stream.confirmed(), agent.newest(), Kept());
+  }
+  // As mapping and uplink do it: what was chosen some time ago, named with the edits since.
+  void ForgetSome() {
+    const auto chosen = std::exchange(
+        forgettable_, ChooseForgotten(agent.atlas(), stream.confirmed(), agent.newest(), kSession, Kept()));
+    std::vector<KeyframeId> present;
+    for (const KeyframeId id : chosen) {
+      const Keyframe* keyframe = agent.atlas().FindKeyframe(id);
+      if (keyframe != nullptr && !IsForgotten(*keyframe)) present.push_back(id);
+    }
+    if (present.empty()) return;
+    forgotten += static_cast<int>(present.size());
+    Plan(PlanKind::kOngoing, agent.Forget(present));
+    ASSERT_EQ(CheckConsistency(agent.atlas()), std::vector<std::string>{});
   }
   // The oldest correction under way, once its time has come.
   void AbsorbOne() {
@@ -52,7 +77,11 @@ class Correspondence {
     const auto base = stream.BaseOf(correction);
     if (!base) return;
     const AbsorptionInput input{kSession, correction.version, *base, correction.pieces};
-    for (const MapEdit& edit : PlanAbsorption(agent.atlas(), input)) agent.Do(edit);
+    for (const MapEdit& edit : PlanAbsorption(agent.atlas(), input)) {
+      const auto* added = std::get_if<AddKeyframe>(&edit);
+      recalled += added != nullptr && agent.atlas().FindKeyframe(added->id) != nullptr ? 1 : 0;
+      agent.Do(edit);
+    }
     stream.Absorb(correction);
     on_the_way.pop_front();
     Plan();
@@ -60,12 +89,13 @@ class Correspondence {
   }
   void Step() {
     const int choice = static_cast<int>(random_() % 100);
+    if (forgets_ && choice < 8) return ForgetSome();
     if (choice < 60) return agent.Step();
     if (choice < 70) return Plan();
     if (choice < 80) return Send(static_cast<int>(random_() % 4));
     if (choice < 87) return Acknowledge();
     if (choice < 93) return server.Work();
-    if (choice < 96) return on_the_way.push_back(server.Tell());
+    if (choice < 96) return on_the_way.push_back(server.Tell(interest));
     AbsorbOne();
   }
   // Until nothing is under way in either direction.
@@ -75,6 +105,8 @@ class Correspondence {
       Send(10000);
       Acknowledge();
       if (testing::Test::HasFatalFailure()) return;
+      // What of the last envelopes was in vain.
+      if (round < 3) on_the_way.push_back(server.Tell(interest));
       while (!on_the_way.empty()) {
         const std::size_t before = on_the_way.size();
         AbsorbOne();
@@ -90,14 +122,49 @@ class Correspondence {
     options.envelope_bytes = 1000;
     return options;
   }
+  // So few that everything is forgotten now and then.
+  static KeptKeyframesOptions Kept() { return {.most = 5, .left = 3, .recalled = 8, .newest = 1, .window = 1}; }
   std::mt19937_64 random_;
+  bool forgets_;
+  std::vector<KeyframeId> forgettable_;
 
  public:
   RandomHistory agent;
   CorrectingServer server;
   EditStream stream;
   std::deque<AgentCorrection> on_the_way;
+  MapInterest interest;
+  int forgotten = 0;
+  int recalled = 0;
 };
+
+// What of what the agent holds of its session is other at the server.
+std::vector<std::string> Differences(const Atlas& agent, const Atlas& server) {
+  std::vector<std::string> differences;
+  agent.ForEachKeyframe(kSession, [&](const Keyframe& here) {
+    const Keyframe* there = server.FindKeyframe(here.id);
+    if (there == nullptr || !OnSameGrid(here.camera_from_map, there->camera_from_map)) {
+      differences.push_back("keyframe " + ToString(here.id) + (there == nullptr ? " is gone" : " is elsewhere"));
+    }
+    for (std::size_t i = 0; there != nullptr && i < here.landmarks.size(); ++i) {
+      if (here.landmarks[i] == there->landmarks[i]) continue;
+      differences.push_back("keypoint " + std::to_string(i) + " of " + ToString(here.id) + " shows " +
+                            ToString(here.landmarks[i]) + ", there " + ToString(there->landmarks[i]));
+    }
+  });
+  server.ForEachKeyframe(kSession, [&](const Keyframe& there) {
+    if (agent.FindKeyframe(there.id) == nullptr)
+      differences.push_back("keyframe " + ToString(there.id) + " is not here");
+  });
+  agent.ForEachLandmark(kSession, [&](const Landmark& here) {
+    const Landmark* there = server.FindLandmark(here.id);
+    if (there != nullptr && OnSameGrid(here.point_in_map, there->point_in_map)) return;
+    differences.push_back("landmark " + ToString(here.id) + (there == nullptr ? " is gone" : " is elsewhere") +
+                          ", reference " + ToString(here.reference) +
+                          (there == nullptr ? "" : ", there " + ToString(there->reference)));
+  });
+  return differences;
+}
 
 class AbsorptionHistory : public testing::TestWithParam<std::uint64_t> {};
 
@@ -116,6 +183,29 @@ TEST_P(AbsorptionHistory, WhateverTheServerCorrectsAndWheneverItArrivesBothEndWi
   EXPECT_TRUE(CheckConsistency(pair.server.atlas).empty());
   EXPECT_EQ(DigestOfSession(pair.agent.atlas(), kSession), DigestOfSession(pair.server.atlas, kSession));
   EXPECT_GT(pair.server.atlas.keyframe_count(kSession), 0U);
+}
+
+TEST_P(AbsorptionHistory, WhateverTheAgentForgetsAndWhateverComesBackBothEndWithTheSame) {
+  Correspondence pair(GetParam(), true);
+  for (int step = 0; step < 2500; ++step) {
+    pair.Step();
+    ASSERT_FALSE(HasFatalFailure());
+  }
+  pair.on_the_way.push_back(pair.server.Tell(pair.interest));
+  pair.Settle();
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_FALSE(pair.stream.gave_up());
+  // Of thousands of edits one may speak of what one side holds alone by then.
+  EXPECT_LE(pair.stream.repairs(), 1U);
+  EXPECT_EQ(CheckConsistency(pair.agent.atlas()), std::vector<std::string>{});
+  std::set<KeyframeId> forgotten;
+  pair.agent.atlas().ForEachKeyframe(kSession, [&](const Keyframe& keyframe) {
+    if (IsForgotten(keyframe)) forgotten.insert(keyframe.id);
+  });
+  EXPECT_EQ(DigestOfSession(pair.agent.atlas(), kSession), DigestOfSession(pair.server.atlas, kSession, forgotten))
+      << testing::PrintToString(Differences(pair.agent.atlas(), pair.server.atlas));
+  EXPECT_GT(pair.forgotten, 0);
+  EXPECT_GT(pair.recalled, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, AbsorptionHistory, testing::Range<std::uint64_t>(1, 31));

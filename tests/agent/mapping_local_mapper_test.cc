@@ -9,6 +9,7 @@
 #include "common/geometry/horn.h"
 #include "common/map/consistency.h"
 #include "common/map/digest.h"
+#include "common/map/forgetting.h"
 #include "common/map/map_edit.h"
 #include "tests/agent/mapping_synthetic_world.h"
 
@@ -278,6 +279,22 @@ TEST(LocalMapper, FramesOfAnUnknownReferenceAreLeftOut) {
   const auto edits = walk.mapper.TakeEdits();
   ASSERT_TRUE(std::holds_alternative<AddFramePoses>(edits.back()));
   EXPECT_EQ(std::get<AddFramePoses>(edits.back()).frames.size(), 3U);
+}
+
+TEST(LocalMapper, AMapThatForgotItsBeginningGoesOnOnWhatItHolds) {
+  Walk walk;
+  walk.WalkCircle(0, 12, 40);
+  const std::vector<KeyframeId> beginning = {{kSession, 1}, {kSession, 2}, {kSession, 3}, {kSession, 4}};
+  const auto forgotten = walk.mapper.Forget(beginning);
+  EXPECT_EQ(forgotten.size(), 4U);
+  EXPECT_THAT(walk.mapper.Forget(beginning), IsEmpty()) << "once";
+  walk.WalkCircle(12, 20, 40);
+  EXPECT_THAT(CheckConsistency(walk.mapper.atlas()), IsEmpty());
+  for (const KeyframeId id : beginning) EXPECT_TRUE(IsForgotten(*walk.mapper.atlas().FindKeyframe(id)));
+  EXPECT_LT(walk.LargestPositionError(), 0.05);
+  // Round the whole circle, into what it has forgotten.
+  walk.WalkCircle(20, 44, 40);
+  EXPECT_THAT(CheckConsistency(walk.mapper.atlas()), IsEmpty());
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/map/atlas.h"
+#include "common/map/forgetting.h"
 #include "common/map/map_edit.h"
 
 namespace pangaea {
@@ -41,13 +42,20 @@ class RandomHistory {
   static constexpr SessionId kSession = 42;
   static constexpr int kKeypoints = 6;
 
+  std::vector<ForgottenKeyframe> Forget(const std::vector<KeyframeId>& keyframes) {
+    std::vector<ForgottenKeyframe> forgotten;
+    for (const KeyframeId id : keyframes) forgotten.push_back({id, atlas_.FindKeyframe(id)->frames});
+    pangaea::Forget(atlas_, forgotten);
+    return forgotten;
+  }
+  KeyframeId newest() const { return {kSession, keyframe_counter_}; }
+
   // What the atlas refuses did not happen.
   void Do(MapEdit edit) {
     if (Apply(edit, atlas_)) edits_.push_back(std::move(edit));
   }
 
  private:
-
   int Below(int bound) { return static_cast<int>(random_() % static_cast<std::uint64_t>(bound)); }
   double Uniform() { return std::uniform_real_distribution<double>(-1.0, 1.0)(random_); }
   Eigen::Vector3d Vector(double size) { return size * Eigen::Vector3d(Uniform(), Uniform(), Uniform()); }

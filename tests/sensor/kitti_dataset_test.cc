@@ -66,7 +66,7 @@ TEST_F(KittiDataset, TimesOutOfOrderAreSkippedWithOneWarningAndACountAndPosesSta
   ASSERT_TRUE(dataset) << dataset.error().message;
   EXPECT_THAT(dataset->warnings, ElementsAre(HasSubstr("1 malformed"), HasSubstr("1 of 7 rows are out of order")));
   ASSERT_EQ(dataset->frames.size(), 6U);
-  EXPECT_THAT(dataset->frames[3].left.string(), HasSubstr("000005.png"));
+  EXPECT_THAT(dataset->frames[3].left, HasSubstr("000005.png"));
   EXPECT_NEAR(dataset->ground_truth[3].world_from_body.translation().z(), 0.5, 1e-9);
 }
 

@@ -35,7 +35,7 @@ void DecodeImageWithOpenCv(benchmark::State& state) {
   const Dataset dataset = OpenRecording(state);
   std::size_t i = 0;
   for (auto _ : state) {
-    const cv::Mat image = cv::imread(dataset.frames[i].left.string(), cv::IMREAD_GRAYSCALE);
+    const cv::Mat image = cv::imread(dataset.frames[i].left, cv::IMREAD_GRAYSCALE);
     benchmark::DoNotOptimize(image.data);
     i = (i + 1) % std::min<std::size_t>(dataset.frames.size(), 200);
   }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <opencv2/core.hpp>
 #include <opencv2/features2d.hpp>
 #include <set>
@@ -43,6 +44,23 @@ TEST(Recording, GroundTruthHasEveryImageStampAndTwoHundredAPerSecond) {
     }
     ASSERT_EQ(recording.frame_count(), static_cast<int>(0.5 * rate));
     for (int i = 0; i < recording.frame_count(); ++i) EXPECT_EQ(stamps.count(recording.FrameStamp(0, i)), 1U);
+  }
+}
+
+TEST(Recording, OnTheWayBackThePlacesAreTheSameAndTheVelocityIsReversed) {
+  RecordingOptions options = Short();
+  options.sessions = 1;
+  options.laps = 2;
+  const Recording recording(options);
+  std::map<std::int64_t, TruthSample> truth;
+  for (const TruthSample& sample : recording.GroundTruth(0)) truth[sample.stamp_ns] = sample;
+  const int last = recording.total_frame_count() - 1;
+  for (int i = 1; i < recording.frame_count() - 1; ++i) {
+    const TruthSample& out = truth.at(recording.FrameStamp(0, i));
+    const TruthSample& back = truth.at(recording.FrameStamp(0, last - i));
+    EXPECT_EQ(recording.PictureOf(last - i), i);
+    EXPECT_LT((out.world_from_body.translation() - back.world_from_body.translation()).norm(), 1e-6);
+    EXPECT_LT((out.velocity_in_world + back.velocity_in_world).norm(), 1e-5);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -69,12 +70,36 @@ TEST_F(RecordingWriter, TheDatasetReaderFindsRigStampsAndTruthAsTheyWere) {
   for (int i = 0; i < 4; ++i) {
     const DatasetFrame& frame = dataset->frames[static_cast<std::size_t>(i)];
     EXPECT_EQ(frame.stamp_ns, recording.FrameStamp(1, i));
-    const cv::Mat image = cv::imread(frame.right.string(), cv::IMREAD_UNCHANGED);
+    const cv::Mat image = cv::imread(frame.right, cv::IMREAD_UNCHANGED);
     EXPECT_EQ(image.type(), CV_8U);
     EXPECT_EQ(cv::norm(image, painter.Paint(1, i).right, cv::NORM_INF), 0.0);
   }
   const auto truth = recording.GroundTruth(1);
   ASSERT_EQ(dataset->ground_truth.size(), truth.size());
+}
+
+TEST_F(RecordingWriter, LaterLapsShowThePicturesOfTheFirstToAndFroUnderLaterStamps) {
+  RecordingOptions options = Short();
+  options.laps = 3;
+  const Recording recording(options);
+  ASSERT_TRUE(WriteRecording(recording, folder_, nullptr));
+  const auto dataset = OpenDataset(folder_ / "session_1", SensorKind::kStereo);
+  ASSERT_TRUE(dataset) << dataset.error().message;
+  EXPECT_TRUE(dataset->warnings.empty());
+  ASSERT_EQ(dataset->frames.size(), 10U);  // 0 1 2 3 2 1 0 1 2 3
+  EXPECT_EQ(dataset->frames[4].left, dataset->frames[2].left);
+  EXPECT_EQ(dataset->frames[6].right, dataset->frames[0].right);
+  EXPECT_EQ(dataset->frames[9].left, dataset->frames[3].left);
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(dataset->frames[static_cast<std::size_t>(i)].stamp_ns, recording.FrameStamp(0, i));
+  }
+  const auto pose_at = [&](int frame) {
+    const auto found = std::ranges::find(dataset->ground_truth, recording.FrameStamp(0, frame), &StampedPose::stamp_ns);
+    return found == dataset->ground_truth.end() ? Rigid3d() : found->world_from_body;
+  };
+  EXPECT_LT((pose_at(4).Matrix() - pose_at(2).Matrix()).norm(), 1e-9);
+  EXPECT_LT((pose_at(9).Matrix() - pose_at(3).Matrix()).norm(), 1e-9);
+  EXPECT_GT((pose_at(3).translation() - pose_at(2).translation()).norm(), 1e-4);
 }
 
 TEST_F(RecordingWriter, AnUnwritableFolderIsAnErrorThatNamesIt) {

@@ -92,8 +92,10 @@ class AgentSystem : public ::testing::Test {
     return json::parse(file);
   }
   // The session of that name as the store has it.
-  json Stored(const std::string& name) const {
-    const auto digest = Start({PANGAEA_PROGRAMS "/pangaea", "digest", "--store", "atlas.db", "--json"});
+  json Stored(const std::string& name, const Words& more = {}) const {
+    Words words{PANGAEA_PROGRAMS "/pangaea", "digest", "--store", "atlas.db", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const auto digest = Start(words);
     EXPECT_EQ(digest->Wait(), 0) << digest->output();
     const json stored = json::parse(digest->output());
     for (const json& session : stored.at("sessions")) {

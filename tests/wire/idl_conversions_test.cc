@@ -59,7 +59,7 @@ TEST(IdlConversions, EnvelopesAndAcksAndStatusAndEventsComeBackAsTheyWere) {
 TEST(IdlConversions, CorrectionsAndInterestsAndRelocalizationsComeBackAsTheyWere) {
   const CorrectionPart part{5, 77, 6, 7, 1, 3, 99, std::vector<std::byte>(2, std::byte{7})};
   EXPECT_EQ(FromIdl(BorrowAsIdl(part)).value(), part);
-  const MapInterest interest{5, 6, {5, 1}, {5, 30}, {{4, 1}, {4, 2}}};
+  const MapInterest interest{5, 6, {5, 1}, {5, 30}, {{4, 1}, {4, 2}}, {{5, 7}, {5, 8}, {5, 9}}, {{5, 2}}};
   std::vector<pangaea_wire_ItemId> guests;
   EXPECT_EQ(FromIdl(BorrowAsIdl(interest, guests)).value(), interest);
   auto frame = std::make_shared<KeyframeData>();
@@ -91,6 +91,8 @@ TEST(IdlConversions, ImpossibleCorrectionsAndRequestsAreRefused) {
   EXPECT_FALSE(FromIdl(BorrowAsIdl(part)));
   std::vector<pangaea_wire_ItemId> guests;
   EXPECT_FALSE(FromIdl(BorrowAsIdl(MapInterest{5, 6, {5, 1}, {5, 30}, {{4, 0}}}, guests)));
+  EXPECT_FALSE(FromIdl(BorrowAsIdl(MapInterest{5, 6, {5, 1}, {5, 30}, {}, {{5, 0}}}, guests)));
+  EXPECT_FALSE(FromIdl(BorrowAsIdl(MapInterest{5, 6, {5, 1}, {5, 30}, {}, {}, {{0, 3}}}, guests)));
   std::vector<std::byte> octets;
   EXPECT_FALSE(FromIdl(BorrowAsIdl(RelocalizationRequest{5, 6, nullptr}, octets)));
   RelocalizationAnswer answer{5, 6, true, {4, 1}, {}, Rigid3d(), 8};

@@ -4,6 +4,7 @@
 
 #include "common/map/atlas_codec.h"
 #include "common/map/atlas_editor.h"
+#include "common/map/forgetting.h"
 #include "common/map/map_bytes.h"
 #include "common/map/validation.h"
 
@@ -36,10 +37,21 @@ Status ValidateChild(const AddKeyframe& edit, const Atlas& atlas) {
   return Fail(ErrorCode::kRefused, "keyframe " + ToString(edit.id) + ": map " + ToString(map) + " is closed");
 }
 
+// What was forgotten comes back: where it hangs is known.
+Status ValidateRecall(const AddKeyframe& edit, const Keyframe& present) {
+  const bool same = edit.data != nullptr && edit.data->stamp_ns == present.data->stamp_ns;
+  if (!same || edit.data->features.keypoints.empty()) {
+    return Fail(ErrorCode::kRefused, "keyframe " + ToString(edit.id) + " is here already, and this is not what it saw");
+  }
+  return CheckKeyframeData(*edit.data);
+}
+
 }  // namespace
 
 Status Validate(const AddKeyframe& edit, const Atlas& atlas) {
   if (auto status = CheckNewId(edit.id); !status) return status;
+  const Keyframe* present = atlas.FindKeyframe(edit.id);
+  if (present != nullptr && IsForgotten(*present)) return ValidateRecall(edit, *present);
   if (atlas.Knows(edit.id)) return Fail(ErrorCode::kRefused, "keyframe " + ToString(edit.id) + " is here already");
   if (edit.data == nullptr) return Fail(ErrorCode::kInvalidArgument, "keyframe " + ToString(edit.id) + " has no data");
   if (auto status = CheckPose(edit.camera_from_parent); !status) return status;
@@ -49,6 +61,7 @@ Status Validate(const AddKeyframe& edit, const Atlas& atlas) {
 }
 
 void ApplyValid(const AddKeyframe& edit, AtlasEditor& editor) {
+  if (editor.atlas().FindKeyframe(edit.id) != nullptr) return editor.RecallKeyframe(edit.id, edit.data);
   Keyframe keyframe;
   keyframe.id = edit.id;
   keyframe.map = edit.map;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "agent/mapping/local_mapper.h"
+#include "common/map/forgetting.h"
 #include "common/map/map_edit.h"
 #include "common/place/vocabulary_file.h"
 #include "tests/agent/mapping_synthetic_world.h"
@@ -74,6 +75,20 @@ TEST_F(RecognitionTest, TheMemoryForgetsWhatWasCulled) {
   memory.Follow(atlas, 100);
   EXPECT_EQ(memory.size(), atlas.keyframe_count());
   EXPECT_THAT(memory.Candidates(features.descriptors, 100), Not(Contains(culled)));
+}
+
+TEST_F(RecognitionTest, TheMemoryForgetsWhatTheMapForgotAndLearnsItAgain) {
+  PlaceMemory memory(vocabulary);
+  memory.Follow(atlas, 100);
+  const KeyframeId id{1, 5};
+  const auto data = atlas.FindKeyframe(id)->data;
+  Forget(atlas, std::vector<ForgottenKeyframe>{{id}});
+  memory.Follow(atlas, 100);
+  EXPECT_EQ(memory.size(), atlas.keyframe_count() - 1);
+  EXPECT_THAT(memory.Candidates(data->features.descriptors, 100), Not(Contains(id)));
+  ASSERT_TRUE(Apply(AddKeyframe{id, {}, {}, {}, data}, atlas));
+  memory.Follow(atlas, 100);
+  EXPECT_EQ(memory.Candidates(data->features.descriptors, 3).front(), id);
 }
 
 TEST_F(RecognitionTest, WhatIsNotAdmittedIsNoCandidate) {
