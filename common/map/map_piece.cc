@@ -79,6 +79,7 @@ MapPiece CutPiece(const Atlas& atlas, const PieceSelection& selection) {
     }
   }
   piece.removed.insert(piece.removed.end(), selection.released_landmarks.begin(), selection.released_landmarks.end());
+  SortUnique(piece.removed);
   for (const KeyframeId id : selection.culled) {
     if (atlas.FindKeyframe(id) == nullptr && atlas.Knows(id)) piece.culled.push_back({id, PoseOf(atlas, id)});
   }

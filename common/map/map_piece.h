@@ -61,7 +61,7 @@ struct MapPiece {
   std::vector<PieceKeyframe> keyframes;  // ascending by id
   std::vector<PieceLandmark> landmarks;  // ascending by id
   std::vector<FusedLandmark> fused;      // each absorbed landmark once
-  std::vector<LandmarkId> removed;       // landmarks that are gone
+  std::vector<LandmarkId> removed;       // landmarks that are gone, ascending
   std::vector<GoneKeyframe> culled;      // ascending by id
 
   bool empty() const;

@@ -47,6 +47,25 @@ TEST(MapPiece, HoldsWhatWasSelectedAndTellsOfWhatIsGone) {
   EXPECT_TRUE(piece.culled.empty());
 }
 
+TEST(MapPiece, WhatIsLetGoStandsInOrderAmongWhatIsGone) {
+  SmallWorld world = RowOfThree();
+  world.Root(K(1, kBert), M(1, kBert));
+  world.Add(L(1, kBert), K(1, kBert), 1);
+  world.Do(RemoveLandmark{L(3)});
+  PieceSelection selection;
+  selection.map = M(1, kBert);
+  selection.former_landmarks = {L(3)};
+  selection.released = {K(3), K(2)};
+  selection.released_landmarks = {L(2), L(1)};
+  const MapPiece piece = CutPiece(world.atlas, selection);
+  EXPECT_EQ(piece.removed, (std::vector{L(1), L(2), L(3)}));
+  ASSERT_EQ(piece.culled.size(), 2U);
+  EXPECT_EQ(piece.culled[0].id, K(2));
+  const auto decoded = DecodePieces(EncodePieces({&piece, 1}));
+  ASSERT_TRUE(decoded) << decoded.error().message;
+  EXPECT_EQ(decoded->front().removed, piece.removed);
+}
+
 TEST(MapPiece, TellsWhereACulledKeyframeWouldBe) {
   SmallWorld world = RowOfThree();
   const Rigid3d before = world.Get(K(2)).camera_from_map;
