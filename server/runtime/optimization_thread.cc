@@ -11,7 +11,7 @@
 namespace pangaea {
 namespace {
 
-constexpr int kNice = 19;
+constexpr int kNice = 10;
 
 }  // namespace
 
