@@ -119,6 +119,7 @@ void MirrorUpdate::AddFrames(const std::set<KeyframeId>& keyframes, const MoveTh
     const Keyframe* present = mirror_.FindKeyframe(id);
     if (!IsOwn(id) || wanted == nullptr || present == nullptr || wanted->frames == nullptr) continue;
     for (const FramePose& frame : *wanted->frames) {
+      if (frame.session != session_) continue;  // of a guest that was culled: not for this agent to say
       if (!HoldsFrame(*present, frame, thresholds.keyframe_m, thresholds.keyframe_rad))
         missing.push_back({id, frame, {present->scale}});
     }

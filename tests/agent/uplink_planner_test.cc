@@ -153,6 +153,18 @@ TEST(UplinkPlanner, AKeyframeCulledBeforeItSettledIsNeverSentButItsFrameIs) {
   EXPECT_EQ(CountOf<AddFramePoses>(plan), 1U);
 }
 
+TEST(UplinkPlanner, FramesThatACulledGuestLeftBehindAreNotSent) {
+  Line line;
+  UplinkPlanner planner({}, kSession);
+  line.Add();
+  auto data = std::make_shared<KeyframeData>(*line.atlas.FindKeyframe({kSession, 1})->data);
+  data->stamp_ns += 7;
+  line.Do(AddKeyframe{{kSession + 1, 1}, {kSession, 1}, {kSession, 1}, Rigid3d(), data});
+  line.Do(RemoveKeyframe{{kSession + 1, 1}});
+  ASSERT_NE(line.atlas.FindKeyframe({kSession, 1})->frames, nullptr);
+  EXPECT_EQ(CountOf<AddFramePoses>(line.Plan(planner, PlanKind::kFlush)), 0U);
+}
+
 TEST(UplinkPlanner, ARootCulledBeforeItsHeirWasSentPassesOn) {
   Line line;
   UplinkPlanner planner({}, kSession);
