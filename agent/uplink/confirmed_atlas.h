@@ -47,6 +47,12 @@ class ConfirmedAtlas {
   // False, and nothing changed, where that is too long ago.
   bool Absorb(const AgentCorrection& correction);
 
+  // See common/map/forgetting.h.
+  void ShareFrames(const Atlas& snapshot) {
+    pangaea::ShareFrames(base_, snapshot);
+    pangaea::ShareFrames(atlas_, snapshot);
+  }
+
   const Atlas& atlas() const { return atlas_; }
 
  private:

@@ -105,6 +105,7 @@ class EditStream {
   bool gave_up_ = false;
   std::uint64_t version_ = 0;
   std::uint64_t absorbed_at_ = 0;  // how many envelopes the server had when it made that correction
+  std::uint64_t takes_ = 0;
   std::uint64_t repairs_ = 0;
   int fruitless_ = 0;  // repairs in a row of which the server took nothing
   std::uint64_t confirmed_before_repair_ = 0;

@@ -64,6 +64,9 @@ class UplinkPlanner {
   // As far as Plan learns from it, without planning: the edits come with the next plan.
   void Note(const Atlas& snapshot, std::span<const MapEdit> applied_since);
 
+  // See common/map/forgetting.h.
+  void ShareFrames(const Atlas& snapshot) { pangaea::ShareFrames(mirror_, snapshot); }
+
   const Atlas& mirror() const { return mirror_; }
   // The server turned out to have this instead: envelopes were rejected, or a correction came. The next plan sends what
   // differs.

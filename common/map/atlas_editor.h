@@ -8,8 +8,8 @@
 
 namespace pangaea {
 
-// The only door through which an atlas changes; Apply, Forget and DecodeAtlas alone can open it. Each operation keeps
-// both sides of the relations it touches in step and expects what it names to be alive: validate first.
+// The only door through which an atlas changes; Apply, Forget, ShareFrames and DecodeAtlas alone can open it. Each
+// operation keeps both sides of the relations it touches in step and expects what it names to be alive: validate first.
 class AtlasEditor {
  public:
   const Atlas& atlas() const { return atlas_; }
@@ -54,6 +54,7 @@ class AtlasEditor {
   explicit AtlasEditor(Atlas& atlas) : atlas_(atlas) {}
   friend Status Apply(const MapEdit& edit, Atlas& atlas);
   friend void Forget(Atlas& atlas, std::span<const ForgottenKeyframe> keyframes);
+  friend void ShareFrames(Atlas& atlas, const Atlas& twin);
   friend class AtlasDecoder;
   friend struct BrokenAtlas;  // of the consistency check's test
 

@@ -36,4 +36,15 @@ void Forget(Atlas& atlas, std::span<const ForgottenKeyframe> keyframes) {
   editor.SetVersion(atlas.version() + 1);
 }
 
+void ShareFrames(Atlas& atlas, const Atlas& twin) {
+  std::vector<KeyframeId> same;
+  atlas.ForEachKeyframe([&](const Keyframe& keyframe) {
+    const Keyframe* other = twin.FindKeyframe(keyframe.id);
+    if (other == nullptr || other->frames == nullptr || keyframe.frames == nullptr) return;
+    if (other->frames != keyframe.frames && SameFrames(*other->frames, *keyframe.frames)) same.push_back(keyframe.id);
+  });
+  AtlasEditor editor(atlas);
+  for (const KeyframeId id : same) editor.WriteKeyframe(id).frames = twin.FindKeyframe(id)->frames;
+}
+
 }  // namespace pangaea

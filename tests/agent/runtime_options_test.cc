@@ -29,6 +29,7 @@ std::map<std::string, double> ValuesOf(const AgentOptions& options) {
       {"tracking.min_start_points", number(tracking.min_start_points)},
       {"tracking.frames_for_hint", number(tracking.frames_for_hint)},
       {"tracking.frames_until_new_map", number(tracking.frames_until_new_map)},
+      {"tracking.frames_for_hint", number(tracking.frames_for_hint)},
       {"tracking.max_position_sigma_m", tracking.observability.max_sigma_m},
       {"tracking.max_position_sigma_of_depth", tracking.observability.max_sigma_of_depth},
       {"tracking.max_templates", number(tracking.max_templates)},
@@ -63,6 +64,8 @@ std::map<std::string, double> ValuesOf(const AgentOptions& options) {
       {"memory.kept_keyframes", number(options.uplink.memory.left)},
       {"uplink.min_observations", number(options.uplink.edits.planner.min_observations)},
       {"uplink.patience_s", 0.001 * number(options.flush_patience.count())},
+      {"memory.max_keyframes", number(options.uplink.memory.most)},
+      {"memory.kept_keyframes", number(options.uplink.memory.left)},
       {"corrections.patience_s", 0.001 * number(options.correction_patience.count())},
       {"corrections.deterministic_frames", number(options.frames_between_corrections)},
   };

@@ -127,6 +127,20 @@ TEST(Forgetting, FramesThatAnotherAtlasHoldsAreShared) {
   EXPECT_NE(other.Get(K(3)).frames, one.Get(K(3)).frames) << "they are not the same";
 }
 
+TEST(Forgetting, EqualFramesOfTwoAtlasesCanBeShared) {
+  SmallWorld one = RowOfThree();
+  SmallWorld other = RowOfThree();
+  for (SmallWorld* each : {&one, &other}) {
+    each->Do(AddFramePoses{{{K(2), {77, MakePose(0.1, 0.2, 0, 0)}}, {K(3), {78, MakePose(0.1, 0.2, 0, 0)}}}});
+  }
+  other.Do(AddFramePoses{{{K(3), {79, MakePose(0.1, 0.2, 0, 0)}}}});
+  const auto before = Fingerprint(other.atlas);
+  ShareFrames(other.atlas, one.atlas);
+  EXPECT_EQ(other.Get(K(2)).frames, one.Get(K(2)).frames);
+  EXPECT_NE(other.Get(K(3)).frames, one.Get(K(3)).frames);
+  EXPECT_EQ(Fingerprint(other.atlas), before);
+}
+
 TEST(Forgetting, TheDigestsOfAWholeAndOfATrimmedAtlasAgreeOnWhatBothHold) {
   SmallWorld whole = RowOfThree();
   SmallWorld trimmed = RowOfThree();
