@@ -1,3 +1,4 @@
+#include <malloc.h>
 #include <semaphore.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -186,10 +187,19 @@ int Run(CommandLine& line) {
   return Fail(run->unconfirmed->message);
 }
 
+// The agent's threads free what others allocated: with a heap for each, as glibc has it, what is free in one is of no
+// use to the others. Two instead of sixteen take 7 MiB less after three minutes, and no more time. Before any thread.
+void ShareHeaps() {
+#ifdef __GLIBC__
+  mallopt(M_ARENA_MAX, 2);
+#endif
+}
+
 }  // namespace
 }  // namespace pangaea
 
 int main(int argc, char** argv) {
+  pangaea::ShareHeaps();
   CLI::App app("Tracks a camera, maps locally and streams keyframes to the server that keeps the atlas.",
                "pangaea-agent");
   pangaea::CommandLine line;
