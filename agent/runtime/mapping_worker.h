@@ -59,6 +59,7 @@ class MappingWorker {
   UplinkThread* uplink_;
   StageClock stages_;
   std::vector<TrackedFrame> waiting_frames_;
+  std::size_t frames_since_return_ = 0;              // of memory to the system
   std::shared_ptr<const AgentCorrection> absorbed_;  // since the last batch
   std::vector<ForgottenKeyframe> forgotten_;         // since the last batch
   KeyframeId reference_;                             // what the camera is near to

@@ -41,7 +41,7 @@ Status EditStream::Take(std::shared_ptr<const Atlas> snapshot, std::span<const M
     status = PlanAll(applied_since, options_.envelope_bytes, forgotten);
   }
   if (!forgotten.empty()) confirmed_.Forget(retained_.last_sequence(), std::move(forgotten));
-  constexpr std::uint64_t kTakesBetweenSharing = 100;  // a minute or two; the comparison takes a few milliseconds
+  constexpr std::uint64_t kTakesBetweenSharing = 10;  // some seconds; only what was added since is compared
   if (++takes_ % kTakesBetweenSharing == 0) {
     planner_.ShareFrames(*snapshot_);
     confirmed_.ShareFrames(*snapshot_);

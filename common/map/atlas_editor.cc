@@ -183,8 +183,10 @@ void AtlasEditor::WriteFormerKeyframe(KeyframeId id, const CulledKeyframe* culle
 
 void AtlasEditor::InsertFrames(KeyframeId id, std::span<const FramePose> frames) {
   Keyframe& keyframe = WriteKeyframe(id);
-  auto all = keyframe.frames ? std::make_shared<std::vector<FramePose>>(*keyframe.frames)
-                             : std::make_shared<std::vector<FramePose>>();
+  auto all = std::make_shared<std::vector<FramePose>>();
+  // No more than it takes: there are 72,000 in an hour, in every copy of the map.
+  all->reserve((keyframe.frames ? keyframe.frames->size() : 0) + frames.size());
+  if (keyframe.frames) all->assign(keyframe.frames->begin(), keyframe.frames->end());
   for (const FramePose& frame : frames) {
     const auto place = std::lower_bound(all->begin(), all->end(), frame, StampOrder);
     if (place != all->end() && !StampOrder(frame, *place)) {

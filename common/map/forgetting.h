@@ -26,7 +26,7 @@ bool IsForgotten(const Keyframe& keyframe);
 // live no more. Ids that are not alive or forgotten already are left out.
 void Forget(Atlas& atlas, std::span<const ForgottenKeyframe> keyframes);
 
-// Where both hold the same frames, they share them from now on: an hour has 72,000 of 80 bytes, and an agent several
+// Where both hold the same frames, they share them from now on: an hour has 72,000 of 96 bytes, and an agent several
 // copies of its map. Nothing else changes.
 void ShareFrames(Atlas& atlas, const Atlas& twin);
 
