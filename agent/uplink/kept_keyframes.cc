@@ -64,7 +64,7 @@ KeyframeId NearestKnown(const std::vector<KeyframeId>& nearest, const Atlas& con
 }  // namespace
 
 KeptKeyframesOptions KeptKeyframesOptions::Of(std::size_t most, std::size_t left) {
-  return {most, left, left * 2 / 5, static_cast<std::uint32_t>(left / 5), left / 2};
+  return {most, left, left * 3 / 5, static_cast<std::uint32_t>(left / 5), left / 2};
 }
 
 Status KeptKeyframesOptions::Check() const {

@@ -19,7 +19,7 @@ struct KeptKeyframesOptions {
   std::size_t left = 100;
   // Forgotten ones that are among so many nearest to the camera are asked back: less than are left, for the same
   // reason.
-  std::size_t recalled = 40;
+  std::size_t recalled = 60;
   // The newest of the session are not forgotten, nor are those around the camera by what they see: tracking and mapping
   // are at work on them, and the server gives them back if they are not here.
   std::uint32_t newest = 20;

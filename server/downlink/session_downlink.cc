@@ -113,7 +113,9 @@ std::vector<KeyframeId> SessionDownlink::NewGuests(const Atlas& atlas) const {
     const Keyframe* keyframe = atlas.FindKeyframe(id);
     return Holds(id) || not_wanted_.contains(id) || keyframe == nullptr || IsForgotten(*keyframe);
   });
-  guests.resize(std::min(guests.size(), is_found ? options_.found_at_once : options_.new_at_once));
+  // What it wants back it will look at before long.
+  const bool urgent = is_found || !interest_->wanted.empty();
+  guests.resize(std::min(guests.size(), urgent ? options_.found_at_once : options_.new_at_once));
   return guests;
 }
 

@@ -104,9 +104,7 @@ IngestSession* IngestRound::FindOrOpen(SessionId id) {
 void IngestRound::Judge(Envelope envelope, IngestSession& session) {
   const auto edits = JudgeContent(envelope);
   if (!edits) return Refuse(envelope, {envelope.sequence, edits.error().reason, edits.error().text}, session);
-  // As long as the server changed nothing itself, an edit that does not fit is the agent's mistake.
-  const ApplyOne apply = outcome_.state.correction == 0 ? &Apply : &ApplyAgentEdit;
-  auto atlas = ApplyWhole(*edits, outcome_.state.atlas, apply);
+  auto atlas = ApplyWhole(*edits, outcome_.state.atlas, &ApplyAgentEdit);
   if (!atlas) return Refuse(envelope, {envelope.sequence, atlas.error().reason, atlas.error().text}, session);
   outcome_.state.atlas = std::move(*atlas);
   session.Accept();

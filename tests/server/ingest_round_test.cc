@@ -152,6 +152,22 @@ TEST(IngestRound, ALandmarkThatRefersToAnUnknownKeyframeIsRejectedWhole) {
   ingest.ExpectRejected(flight, envelope, RejectionReason::kUnknownReference);
 }
 
+// An agent forgets what the server has, and says it anew when it sees it again.
+TEST(IngestRound, ALandmarkThatIsSaidAnewIsSeenFromOneMoreKeyframe) {
+  Ingest ingest;
+  Flight flight(kAnna, {.keypoints = 44});
+  ingest.Take({flight.Next(), flight.Next(), flight.Next()});
+  ASSERT_EQ(ingest.state().correction, 0u) << "the server has changed nothing itself";
+  ASSERT_FALSE(ingest.state().atlas.FindKeyframe(K(3))->landmarks[40].valid());
+  const std::size_t observers = ingest.state().atlas.FindLandmark(L(1))->observations.size();
+  const AddLandmark anew{L(1), K(3), 40, {0.0, 0.0, 4.0}};
+  const IngestOutcome outcome = ingest.Take({MakeEnvelope(kAnna, 4, 0, std::vector<MapEdit>{anew})});
+  EXPECT_TRUE(outcome.batch.rejections.empty());
+  EXPECT_EQ(ingest.state().atlas.FindKeyframe(K(3))->landmarks[40], L(1));
+  EXPECT_EQ(ingest.state().atlas.FindLandmark(L(1))->observations.size(), observers + 1);
+  EXPECT_TRUE(CheckConsistency(ingest.state().atlas).empty());
+}
+
 TEST(IngestRound, NanPoseIsRejectedWhole) {
   Ingest ingest;
   Flight flight(kAnna);
