@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
+
+#include "common/base/median.h"
 
 namespace pangaea {
 namespace {
@@ -65,14 +68,11 @@ std::optional<Eigen::Vector2d> InitialTracks::FollowCoarsely(const ImagePyramid&
 }
 
 double InitialTracks::MedianFlow() const {
-  if (tracks_.empty()) return 0.0;
   std::vector<double> ways;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     ways.push_back((tracks_[i].pixel.cast<double>() - templates_[i].pixel).norm());
   }
-  const auto middle = ways.begin() + static_cast<std::ptrdiff_t>(ways.size() / 2);
-  std::nth_element(ways.begin(), middle, ways.end());
-  return *middle;
+  return Median(std::move(ways));
 }
 
 Rigid3d InitialTracks::PredictMotion(const ImagePyramid& image) const {

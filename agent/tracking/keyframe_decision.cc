@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
+
+#include "common/base/median.h"
 
 namespace pangaea {
 
@@ -22,10 +25,7 @@ KeyframeEvidence GatherEvidence(const IdealCamera& camera, const LocatedFrame& l
   KeyframeEvidence evidence;
   evidence.inliers = static_cast<int>(located.matches.size());
   evidence.covered_cells = static_cast<int>(std::count(covered.begin(), covered.end(), true));
-  if (depths.empty()) return evidence;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  evidence.median_depth = *middle;
+  evidence.median_depth = Median(std::move(depths));
   return evidence;
 }
 

@@ -1,7 +1,10 @@
 #include "agent/tracking/pose_observability.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
+
+#include "common/base/median.h"
 
 namespace pangaea {
 namespace {
@@ -12,10 +15,7 @@ double MedianDepth(const LocatedFrame& located, const LocalMap& local_map) {
     const LocalLandmark& landmark = local_map.landmarks[static_cast<std::size_t>(match.landmark)];
     depths.push_back((located.pose.camera_from_map * landmark.point_in_map).z());
   }
-  if (depths.empty()) return 0.0;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return Median(std::move(depths));
 }
 
 }  // namespace

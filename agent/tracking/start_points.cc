@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 #include <vector>
 
 #include "common/base/check.h"
+#include "common/base/median.h"
 #include "common/estimation/bundle_adjustment.h"
 #include "common/estimation/pose_refinement.h"
 
@@ -44,9 +46,7 @@ BundleProblem MakeProblem(const IdealCamera& camera, const StartPoints& points, 
 void ScaleToDepth(double median_depth, StartPoints& points, std::span<StartView> views) {
   std::vector<double> depths;
   for (const auto& [keypoint, point] : points) depths.push_back(point.point_in_first.z());
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  const double scale = median_depth / *middle;
+  const double scale = median_depth / Median(std::move(depths));
   for (auto& [keypoint, point] : points) point.point_in_first *= scale;
   for (StartView& view : views) {
     view.frame_from_first = Rigid3d(view.frame_from_first.rotation(), scale * view.frame_from_first.translation());

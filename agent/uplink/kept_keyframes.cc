@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "common/base/median.h"
 #include "common/map/covisibility.h"
 #include "common/map/forgetting.h"
 
@@ -17,10 +18,7 @@ double MedianDepth(const Atlas& atlas, const Keyframe& keyframe) {
   for (const LandmarkId id : keyframe.landmarks) {
     if (id.valid()) depths.push_back((keyframe.camera_from_map * atlas.FindLandmark(id)->point_in_map).z());
   }
-  if (depths.empty()) return 1.0;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return Median(std::move(depths), 1.0);
 }
 
 bool HasFrames(const Keyframe& keyframe, const Keyframe& confirmed) {

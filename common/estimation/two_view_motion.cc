@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/base/check.h"
+#include "common/base/median.h"
 #include "common/estimation/bundle_adjustment.h"
 #include "common/geometry/essential_matrix.h"
 #include "common/geometry/homography.h"
@@ -43,13 +44,6 @@ bool Fits(const IdealCamera& camera, const Eigen::Vector3d& point_in_camera, con
   if (point_in_camera.z() <= kMinDepth) return false;
   const double error = inverse_sigma * inverse_sigma * (camera.Project(point_in_camera) - pixel).squaredNorm();
   return error <= kMonocularChi2;
-}
-
-// `values` must not be empty.
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 class Reconstructor {

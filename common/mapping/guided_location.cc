@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/base/check.h"
+#include "common/base/median.h"
 #include "common/features/feature_grid.h"
 #include "common/mapping/view_prediction.h"
 
@@ -97,10 +99,7 @@ double MedianDepth(const GuidedLocation& location, const Atlas& atlas, std::span
     PANGAEA_CHECK(landmark != nullptr);
     depths.push_back((location.pose.camera_from_map * landmark->point_in_map).z());
   }
-  if (depths.empty()) return 0.0;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return Median(std::move(depths));
 }
 
 }  // namespace pangaea

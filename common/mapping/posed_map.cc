@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/base/check.h"
+#include "common/base/median.h"
 #include "common/base/range_check.h"
 #include "common/estimation/bundle_adjustment.h"
 #include "common/geometry/reprojection.h"
@@ -156,10 +157,7 @@ class PosedMapBuilder {
       errors.push_back(observation.inverse_sigma *
                        ReprojectionError(camera, point, observation.measurement).head<2>().norm());
     }
-    if (errors.empty()) return 0.0;
-    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-    std::nth_element(errors.begin(), middle, errors.end());
-    return *middle;
+    return Median(std::move(errors));
   }
 
   void Create(std::vector<MapEdit> edits) {

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/median.h"
+
 namespace pangaea {
 namespace {
 
@@ -71,10 +73,7 @@ double MedianDepth(const Atlas& atlas, const Keyframe& keyframe) {
   for (const LandmarkId id : keyframe.landmarks) {
     if (id.valid()) distances.push_back((keyframe.camera_from_map * atlas.FindLandmark(id)->point_in_map).norm());
   }
-  if (distances.empty()) return 0.0;
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
+  return Median(std::move(distances));
 }
 
 }  // namespace

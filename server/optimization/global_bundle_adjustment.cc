@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/check.h"
+#include "common/base/median.h"
 #include "common/estimation/bundle_adjustment.h"
 #include "common/map/edits/reference_scale.h"
 #include "common/map/spanning_tree.h"
@@ -52,12 +53,7 @@ BundleOptions SolverOptions(const GlobalBundleOptions& options, std::size_t pair
 }
 
 // By how much the depths that a keyframe sees have grown: the median of the ratios. 1 where it sees nothing.
-double DepthGrowth(std::vector<double>& ratios) {
-  if (ratios.empty()) return 1.0;
-  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), middle, ratios.end());
-  return *middle;
-}
+double DepthGrowth(std::vector<double> ratios) { return Median(std::move(ratios), 1.0); }
 
 // The outcome in a map whose scale nothing measures: the whole drifts freely between the steps of an optimiser.
 class ScaleFreeOutcome {

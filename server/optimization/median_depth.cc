@@ -1,8 +1,10 @@
 #include "server/optimization/median_depth.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
+#include "common/base/median.h"
 #include "common/map/spanning_tree.h"
 
 namespace pangaea {
@@ -17,11 +19,9 @@ double MedianDepth(const Atlas& atlas, MapId map) {
       depths.push_back((keyframe.camera_from_map * landmark->point_in_map).z());
     }
   }
-  if (depths.empty()) return 1.0;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
+  const double median = Median(std::move(depths), 1.0);
   // A landmark behind its reference is a fault of somebody else's, no length.
-  return *middle > 0.0 ? *middle : 1.0;
+  return median > 0.0 ? median : 1.0;
 }
 
 }  // namespace pangaea
