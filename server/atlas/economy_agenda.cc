@@ -21,6 +21,12 @@ std::map<MapId, Occupation> Occupations(const Atlas& atlas, const std::set<Keyfr
 
 }  // namespace
 
+void EconomyAgenda::Recover(const Atlas& atlas) {
+  for (const auto& [map, occupation] : Occupations(atlas, {})) {
+    if (IsWelded(atlas, map)) idle_[map] = occupation.idle;
+  }
+}
+
 std::optional<MapId> EconomyAgenda::Next(const Atlas& atlas, const std::set<KeyframeId>& in_use) {
   std::erase_if(idle_, [&](const auto& entry) { return atlas.FindMap(entry.first) == nullptr; });
   for (const auto& [map, occupation] : Occupations(atlas, in_use)) {

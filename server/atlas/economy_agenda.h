@@ -17,6 +17,8 @@ class EconomyAgenda {
   // any is enough.
   explicit EconomyAgenda(double growth) : growth_(growth) {}
 
+  // What a server finds when it starts counts as done: doing it again at every start would make maps ever smaller.
+  void Recover(const Atlas& atlas);
   // The next one; nothing when none is worth it.
   std::optional<MapId> Next(const Atlas& atlas, const std::set<KeyframeId>& in_use);
   // It was economized, or there was nothing to do: the atlas as it is then.

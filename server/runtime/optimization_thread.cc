@@ -52,6 +52,7 @@ bool OptimizationThread::HoldsLoops(MapId map) const {
 
 void OptimizationThread::Run(const std::stop_token& stop) {
   StandBack(kNice);
+  economy_agenda_.Recover(service_.State()->ingest.atlas);
   while (bell_.Wait(stop)) {
     while (!stop.stop_requested()) {
       const auto state = service_.State();

@@ -93,5 +93,15 @@ TEST(EconomyAgendaTest, AMapIsWorthItOnceItWasWeldedAndAgainWhenItGrewOrWasLeft)
   EXPECT_EQ(agenda.Next(world.atlas, {K(6)}), M(1));
 }
 
+TEST(EconomyAgendaTest, WhatAServerFindsWhenItStartsIsNotMadeSmallerAgain) {
+  SmallWorld world = RowOfThree();
+  world.Do(AddLoopEdge{K(3), K(1), {}});
+  EconomyAgenda agenda(0.5);
+  agenda.Recover(world.atlas);
+  EXPECT_FALSE(agenda.Next(world.atlas, {}));
+  world.Child(K(4), K(3), M(1));
+  EXPECT_EQ(agenda.Next(world.atlas, {}), M(1)) << "an agent was there since, and left";
+}
+
 }  // namespace
 }  // namespace pangaea::testing
