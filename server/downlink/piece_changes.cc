@@ -24,8 +24,6 @@ bool IsAsKnown(const Atlas& atlas, const Landmark& landmark, const KnownState& k
          Follows(atlas, landmark, *known.atlas, *before);
 }
 
-}  // namespace
-
 // Landmarks that live, that a keyframe was known to observe and that it does not observe any more.
 void AddLost(const Atlas& atlas, const Atlas& before, const Keyframe& keyframe, std::set<LandmarkId>& changed) {
   const Keyframe* known = before.FindKeyframe(keyframe.id);
@@ -36,6 +34,8 @@ void AddLost(const Atlas& atlas, const Atlas& before, const Keyframe& keyframe, 
     if (atlas.FindLandmark(landmark) != nullptr) changed.insert(landmark);
   }
 }
+
+}  // namespace
 
 std::vector<LandmarkId> ChangedLandmarks(const Atlas& atlas, const KnownState& known,
                                          const std::vector<KeyframeId>& keyframes, const std::set<KeyframeId>& fresh) {

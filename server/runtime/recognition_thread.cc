@@ -147,10 +147,19 @@ void RecognitionThread::Answer(const PlaceQuestion& question, const FrameLookup&
 
 void RecognitionThread::ReportFirst(AtlasEventKind kind, SessionId session, const std::string& text) {
   constexpr std::size_t kMostRemembered = 1000;  // a sender may invent sessions
+  if (reported_.size() >= kMostRemembered) ForgetEnded();
   if (reported_.size() >= kMostRemembered && !reported_.contains(session)) return;
   const auto [before, is_new] = reported_.try_emplace(session, kind);
   if (!is_new && std::exchange(before->second, kind) == kind && kind != AtlasEventKind::kRelocalized) return;
   links_.report({service_.site(), kind, text, session, UnixNanoseconds()});
+}
+
+void RecognitionThread::ForgetEnded() {
+  const auto state = service_.State();
+  std::erase_if(reported_, [&](const auto& entry) {
+    const auto session = state->ingest.sessions.find(entry.first);
+    return session == state->ingest.sessions.end() || !session->second.alive();
+  });
 }
 
 void RecognitionThread::TakeIn(const Atlas& atlas) {

@@ -63,6 +63,8 @@ class RecognitionThread {
   void Answer(const PlaceQuestion& question, const FrameLookup& lookup, double milliseconds);
   // The first of a kind in a row: an agent that stays lost asks several times a second.
   void ReportFirst(AtlasEventKind kind, SessionId session, const std::string& text);
+  // Of what was reported, sessions that are over or never were.
+  void ForgetEnded();
   void TakeIn(const Atlas& atlas);
 
   const AtlasService& service_;
