@@ -2,15 +2,14 @@
 
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 #include <utility>
 
 #include "agent/runtime/camera_input.h"
 #include "agent/runtime/mapping_worker.h"
+#include "agent/runtime/process_memory.h"
 #include "agent/tracking/odometry.h"
 #include "common/base/version.h"
 #include "common/lcm/lcm_output.h"
@@ -26,15 +25,6 @@ using Clock = std::chrono::steady_clock;
 
 double SecondsOf(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-}
-
-// What the process holds in memory now.
-float ResidentMib() {
-  std::ifstream file("/proc/self/statm");
-  float all = 0.0F;
-  float resident = 0.0F;
-  file >> all >> resident;
-  return resident * static_cast<float>(sysconf(_SC_PAGESIZE)) / (1024.0F * 1024.0F);
 }
 
 bool BeginsMap(const TrackingResult& result) {

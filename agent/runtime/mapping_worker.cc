@@ -1,10 +1,9 @@
 #include "agent/runtime/mapping_worker.h"
 
-#include <malloc.h>
-
 #include <chrono>
 #include <utility>
 
+#include "agent/runtime/process_memory.h"
 #include "common/base/check.h"
 
 namespace pangaea {
@@ -14,14 +13,7 @@ constexpr std::size_t kQueuedInputs = 256;
 // Frames enter the map in batches: one by one each would copy its keyframe's list.
 constexpr std::size_t kFramesPerBatch = 20;
 
-// What the map grows and shrinks by lies among what stays: without being told, glibc gives nothing of it back to the
-// system, and holds a quarter more after an hour. A few milliseconds, now and then.
-constexpr std::size_t kFramesBetweenReturns = 600;
-void ReturnFreeMemory() {
-#ifdef __GLIBC__
-  malloc_trim(0);
-#endif
-}
+constexpr std::size_t kFramesBetweenReturns = 600;  // of free memory to the system
 
 }  // namespace
 
