@@ -9,17 +9,16 @@
 #include <utility>
 #include <variant>
 
+#include "agent/runtime/answer_slot.h"
 #include "agent/runtime/downlink.h"
+#include "agent/runtime/forgetting_advice.h"
 #include "agent/runtime/spill_file.h"
+#include "agent/runtime/uplink_endpoints.h"
 #include "common/base/bounded_queue.h"
 #include "common/base/mutex.h"
-#include "common/dds/reader.h"
 #include "common/dds/waiter.h"
-#include "common/dds/writer.h"
 #include "common/wire/edit_ack.h"
 #include "common/wire/envelope.h"
-#include "common/wire/map_interest.h"
-#include "common/wire/relocalization.h"
 
 namespace pangaea {
 namespace {
@@ -45,47 +44,17 @@ struct StopRequest {};
 using Event = std::variant<UplinkBatch, FlushRequest, EditAck, CorrectionPart, WhereRequest, MatchChange, HurryRequest,
                            StopRequest>;
 
-struct Endpoints {
-  Writer<SessionAnnouncement> session;
-  Writer<Envelope> edits;
-  Writer<MapInterest> interest;
-  Writer<RelocalizationRequest> where;
-  Writer<AgentState> state;
-  Reader<EditAck> acks;
-  Reader<CorrectionPart> corrections;
-  Reader<RelocalizationAnswer> answers;
-};
-
-Result<Endpoints> OpenEndpoints(const Participant& participant) {
-  auto session = Writer<SessionAnnouncement>::Open(participant);
-  if (!session) return tl::make_unexpected(session.error());
-  auto edits = Writer<Envelope>::Open(participant);
-  if (!edits) return tl::make_unexpected(edits.error());
-  auto interest = Writer<MapInterest>::Open(participant);
-  if (!interest) return tl::make_unexpected(interest.error());
-  auto where = Writer<RelocalizationRequest>::Open(participant);
-  if (!where) return tl::make_unexpected(where.error());
-  auto state = Writer<AgentState>::Open(participant);
-  if (!state) return tl::make_unexpected(state.error());
-  auto acks = Reader<EditAck>::Open(participant);
-  if (!acks) return tl::make_unexpected(acks.error());
-  auto corrections = Reader<CorrectionPart>::Open(participant);
-  if (!corrections) return tl::make_unexpected(corrections.error());
-  auto answers = Reader<RelocalizationAnswer>::Open(participant);
-  if (!answers) return tl::make_unexpected(answers.error());
-  return Endpoints{std::move(*session), std::move(*edits), std::move(*interest),    std::move(*where),
-                   std::move(*state),   std::move(*acks),  std::move(*corrections), std::move(*answers)};
-}
-
 class UplinkLoop final : public UplinkThread {
  public:
-  UplinkLoop(SessionAnnouncement session, UplinkOptions options, Endpoints endpoints, std::unique_ptr<Waiter> waiter)
+  UplinkLoop(SessionAnnouncement session, UplinkOptions options, UplinkEndpoints endpoints,
+             std::unique_ptr<Waiter> waiter)
       : options_(std::move(options)),
         session_(std::move(session)),
         endpoints_(std::move(endpoints)),
         events_(options_.queue_batches),
         spill_(options_.spill_path),
         stream_(session_.session, options_.edits, &spill_),
+        advice_(session_.session, options_.memory),
         waiter_(std::move(waiter)) {}
   ~UplinkLoop() override { Stop(); }
 
@@ -99,7 +68,8 @@ class UplinkLoop final : public UplinkThread {
     });
     if (!status) return status;
     status = waiter_->OnSample<RelocalizationAnswer>(endpoints_.answers, [this](Sample<RelocalizationAnswer> sample) {
-      if (sample.alive && sample.value.session == session_.session) Receive(sample.value);
+      // On the thread that waits for DDS: tracking does not wait for the uplink.
+      if (sample.alive && sample.value.session == session_.session) answer_.Put(sample.value);
     });
     if (!status) return status;
     status = waiter_->OnMatch(endpoints_.edits, [this](const MatchChange& change) { (void)events_.Push(change); });
@@ -123,10 +93,7 @@ class UplinkLoop final : public UplinkThread {
 
   std::optional<ReadyCorrection> TakeCorrection() override { return downlink_.Take(); }
 
-  std::vector<KeyframeId> TakeForgettable() override EXCLUDES(forgettable_mutex_) {
-    MutexLock lock(forgettable_mutex_);
-    return std::exchange(forgettable_, {});
-  }
+  std::vector<KeyframeId> TakeForgettable() override { return advice_.Take(); }
 
   bool AwaitCorrection(std::chrono::milliseconds patience) override { return downlink_.Await(Clock::now() + patience); }
 
@@ -134,10 +101,7 @@ class UplinkLoop final : public UplinkThread {
     (void)events_.Push(WhereRequest{request, std::move(frame)});
   }
 
-  std::optional<RelocalizationAnswer> TakeAnswer() override EXCLUDES(answer_mutex_) {
-    MutexLock lock(answer_mutex_);
-    return std::exchange(answer_, std::nullopt);
-  }
+  std::optional<RelocalizationAnswer> TakeAnswer() override { return answer_.Take(); }
 
   void Tell(const AgentState& state) override { (void)endpoints_.state.Write(state); }
 
@@ -162,12 +126,6 @@ class UplinkLoop final : public UplinkThread {
   }
 
  private:
-  // On the thread that waits for DDS: tracking does not wait for the uplink.
-  void Receive(const RelocalizationAnswer& answer) EXCLUDES(answer_mutex_) {
-    MutexLock lock(answer_mutex_);
-    if (!answer_ || answer.found || !answer_->found) answer_ = answer;
-  }
-
   void Run() {
     while (!stopping_) {
       std::optional<Event> event;
@@ -204,27 +162,13 @@ class UplinkLoop final : public UplinkThread {
       ++local_.corrections;
     }
     local_.forgotten += batch.forgotten.size();
-    WriteInterest(batch);
-    if (kind == PlanKind::kOngoing) ProposeForgetting(batch);
+    if (const auto interest =
+            advice_.NextInterest(*batch.snapshot, stream_.confirmed(), batch.reference, stream_.version())) {
+      NoteFailure(endpoints_.interest.Write(*interest));
+    }
+    // From what is certain before this batch: what it brings is not sent yet.
+    if (kind == PlanKind::kOngoing) advice_.Choose(*batch.snapshot, stream_.confirmed(), batch.reference);
     NoteFailure(stream_.Take(std::move(batch.snapshot), batch.applied_since, kind, std::move(batch.forgotten)));
-  }
-
-  // From what is certain before this batch: what it brings is not sent yet.
-  void ProposeForgetting(const UplinkBatch& batch) EXCLUDES(forgettable_mutex_) {
-    auto chosen =
-        ChooseForgotten(*batch.snapshot, stream_.confirmed(), batch.reference, session_.session, options_.memory);
-    MutexLock lock(forgettable_mutex_);
-    forgettable_ = std::move(chosen);
-  }
-
-  // What the server needs to know to send what is missing here.
-  void WriteInterest(const UplinkBatch& batch) {
-    MapInterest interest =
-        InterestOf(session_.session, *batch.snapshot, stream_.confirmed(), batch.reference, options_.memory);
-    interest.applied_version = stream_.version();
-    if (interest == interest_) return;
-    NoteFailure(endpoints_.interest.Write(interest));
-    interest_ = std::move(interest);
   }
 
   void Handle(FlushRequest& request) {
@@ -356,12 +300,12 @@ class UplinkLoop final : public UplinkThread {
   const UplinkOptions options_;
   // Below, the uplink thread's own, once it runs.
   SessionAnnouncement session_;
-  Endpoints endpoints_;
+  UplinkEndpoints endpoints_;
   BoundedQueue<Event> events_;
   SpillFile spill_;
   EditStream stream_;
   Downlink downlink_;
-  MapInterest interest_;
+  ForgettingAdvice advice_;
   std::optional<FlushRequest> flush_;
   std::optional<Clock::time_point> retry_;
   UplinkCounters local_;
@@ -369,12 +313,9 @@ class UplinkLoop final : public UplinkThread {
   bool hurried_ = false;
   bool stopping_ = false;
 
-  Mutex forgettable_mutex_;
-  std::vector<KeyframeId> forgettable_ GUARDED_BY(forgettable_mutex_);
   mutable Mutex counters_mutex_;
   UplinkCounters counters_ GUARDED_BY(counters_mutex_);
-  Mutex answer_mutex_;
-  std::optional<RelocalizationAnswer> answer_ GUARDED_BY(answer_mutex_);  // not taken yet
+  AnswerSlot answer_;
   Mutex stop_mutex_;
   std::thread thread_;
   std::unique_ptr<Waiter> waiter_;  // its callbacks use all of the above
@@ -393,7 +334,7 @@ Result<std::unique_ptr<UplinkThread>> UplinkThread::Start(const Participant& par
                                                           UplinkOptions options) {
   if (const Status status = options.Check(); !status) return tl::make_unexpected(status.error());
   if (options.spill_path.empty()) options.spill_path = "pangaea-" + ToString(session.session) + ".spill";
-  auto endpoints = OpenEndpoints(participant);
+  auto endpoints = OpenUplinkEndpoints(participant);
   if (!endpoints) return tl::make_unexpected(endpoints.error());
   auto waiter = Waiter::Create(participant);
   if (!waiter) return tl::make_unexpected(waiter.error());
