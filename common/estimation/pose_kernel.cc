@@ -52,76 +52,97 @@ Projection MakeProjection(const IdealCamera& camera, const Rigid3d& camera_from_
   return projection;
 }
 
+// One observation: where the camera sees the point, and the sums over its rows of the projection's derivative by that
+// point, w g g' and w g e.
+struct Terms {
+  double x, y, z;  // in the camera
+  double cost;
+  double xx, xz, yy, yz, zz;  // w g g'; xy is 0
+  double gx, gy, gz;          // w g e
+};
+
+[[gnu::always_inline]] inline Terms Evaluate(const Projection& c, const Block& __restrict block, int i) {
+  const auto& r = c.rotation;
+  const double x = r[0] * block.x[i] + r[1] * block.y[i] + r[2] * block.z[i] + c.translation[0];
+  const double y = r[3] * block.x[i] + r[4] * block.y[i] + r[5] * block.z[i] + c.translation[1];
+  const double z = r[6] * block.x[i] + r[7] * block.y[i] + r[8] * block.z[i] + c.translation[2];
+  const double inverse_depth = 1.0 / (z > kMinDepth ? z : kMinDepth);
+  const double slope = z > kMinDepth ? inverse_depth : 0.0;
+  const double a = c.focal_x * inverse_depth;
+  const double b = c.focal_y * inverse_depth;
+  const double du = -a * x * slope;
+  const double dv = -b * y * slope;
+  const double dr = -a * (x - c.baseline) * slope;
+  const double s = block.stereo[i];
+  const double error_u = a * x + c.center_x - block.u[i];
+  const double error_v = b * y + c.center_y - block.v[i];
+  const double error_r = s * (a * (x - c.baseline) + c.center_x - block.u_right[i]);
+
+  const double squared = block.squared_weight[i] * (error_u * error_u + error_v * error_v + error_r * error_r);
+  const double bend = block.bend[i];
+  const bool beyond = squared > bend;
+  const double root = std::sqrt(bend / (beyond ? squared : bend));  // 1 inside the bend
+  const double w = block.squared_weight[i] * root;
+  const double wa = w * a;
+  return {.x = x,
+          .y = y,
+          .z = z,
+          .cost = beyond ? 2.0 * root * squared - bend : squared,
+          .xx = wa * a * (1.0 + s),
+          .xz = wa * (du + s * dr),
+          .yy = w * b * b,
+          .yz = w * b * dv,
+          .zz = w * (du * du + dv * dv + s * dr * dr),
+          .gx = wa * (error_u + error_r),
+          .gy = w * b * error_v,
+          .gz = w * (du * error_u + dv * error_v + dr * error_r)};
+}
+
+[[gnu::always_inline]] inline void AddTranslation(const Terms& t, Sums& __restrict sums, int i) {
+  sums.cost[i] += t.cost;
+  sums.translation_gradient[0][i] += t.gx;
+  sums.translation_gradient[1][i] += t.gy;
+  sums.translation_gradient[2][i] += t.gz;
+  sums.xx[i] += t.xx;
+  sums.xz[i] += t.xz;
+  sums.yy[i] += t.yy;
+  sums.yz[i] += t.yz;
+  sums.zz[i] += t.zz;
+}
+
 // With g a row of the projection's derivative by the point p in the camera, the row by the perturbation is
 // (g, p x g); A = sum w g g' then gives the blocks A, rows p x A_i, and columns p x of those.
-[[gnu::always_inline]] inline void AddBlock(const Projection& c, const Block& __restrict block, Sums& __restrict sums) {
-  const double r00 = c.rotation[0], r01 = c.rotation[1], r02 = c.rotation[2];
-  const double r10 = c.rotation[3], r11 = c.rotation[4], r12 = c.rotation[5];
-  const double r20 = c.rotation[6], r21 = c.rotation[7], r22 = c.rotation[8];
-  const double tx = c.translation[0], ty = c.translation[1], tz = c.translation[2];
-  const double focal_x = c.focal_x, focal_y = c.focal_y, center_x = c.center_x, center_y = c.center_y;
-  const double baseline = c.baseline;
+[[gnu::always_inline]] inline void AddRotation(const Terms& t, Sums& __restrict sums, int i) {
+  sums.rotation_gradient[0][i] += t.y * t.gz - t.z * t.gy;
+  sums.rotation_gradient[1][i] += t.z * t.gx - t.x * t.gz;
+  sums.rotation_gradient[2][i] += t.x * t.gy - t.y * t.gx;
+  const double c00 = t.y * t.xz, c01 = t.z * t.xx - t.x * t.xz, c02 = -t.y * t.xx;
+  const double c10 = t.y * t.yz - t.z * t.yy, c11 = -t.x * t.yz, c12 = t.x * t.yy;
+  const double c20 = t.y * t.zz - t.z * t.yz, c21 = t.z * t.xz - t.x * t.zz, c22 = t.x * t.yz - t.y * t.xz;
+  sums.cross[0][0][i] += c00;
+  sums.cross[0][1][i] += c01;
+  sums.cross[0][2][i] += c02;
+  sums.cross[1][0][i] += c10;
+  sums.cross[1][1][i] += c11;
+  sums.cross[1][2][i] += c12;
+  sums.cross[2][0][i] += c20;
+  sums.cross[2][1][i] += c21;
+  sums.cross[2][2][i] += c22;
+  sums.r00[i] += t.y * c20 - t.z * c10;
+  sums.r01[i] += t.y * c21 - t.z * c11;
+  sums.r02[i] += t.y * c22 - t.z * c12;
+  sums.r11[i] += t.z * c01 - t.x * c21;
+  sums.r12[i] += t.z * c02 - t.x * c22;
+  sums.r22[i] += t.x * c12 - t.y * c02;
+}
+
+// The projection by value: read through a reference, its numbers would be loaded anew for each lane, and none
+// vectorised.
+[[gnu::always_inline]] inline void AddBlock(Projection c, const Block& __restrict block, Sums& __restrict sums) {
   for (int i = 0; i < kLanes; ++i) {
-    const double x = r00 * block.x[i] + r01 * block.y[i] + r02 * block.z[i] + tx;
-    const double y = r10 * block.x[i] + r11 * block.y[i] + r12 * block.z[i] + ty;
-    const double z = r20 * block.x[i] + r21 * block.y[i] + r22 * block.z[i] + tz;
-    const double inverse_depth = 1.0 / (z > kMinDepth ? z : kMinDepth);
-    const double slope = z > kMinDepth ? inverse_depth : 0.0;
-    const double a = focal_x * inverse_depth;
-    const double b = focal_y * inverse_depth;
-    const double du = -a * x * slope;
-    const double dv = -b * y * slope;
-    const double dr = -a * (x - baseline) * slope;
-    const double error_u = a * x + center_x - block.u[i];
-    const double error_v = b * y + center_y - block.v[i];
-    const double error_r = block.stereo[i] * (a * (x - baseline) + center_x - block.u_right[i]);
-
-    const double squared = block.squared_weight[i] * (error_u * error_u + error_v * error_v + error_r * error_r);
-    const double bend = block.bend[i];
-    const bool beyond = squared > bend;
-    const double root = std::sqrt(bend / (beyond ? squared : bend));  // 1 inside the bend
-    const double w = block.squared_weight[i] * root;
-    sums.cost[i] += beyond ? 2.0 * root * squared - bend : squared;
-
-    const double wa = w * a;
-    const double s = block.stereo[i];
-    const double xx = wa * a * (1.0 + s);
-    const double xz = wa * (du + s * dr);
-    const double yy = w * b * b;
-    const double yz = w * b * dv;
-    const double zz = w * (du * du + dv * dv + s * dr * dr);
-    const double gx = wa * (error_u + error_r);
-    const double gy = w * b * error_v;
-    const double gz = w * (du * error_u + dv * error_v + dr * error_r);
-    sums.translation_gradient[0][i] += gx;
-    sums.translation_gradient[1][i] += gy;
-    sums.translation_gradient[2][i] += gz;
-    sums.rotation_gradient[0][i] += y * gz - z * gy;
-    sums.rotation_gradient[1][i] += z * gx - x * gz;
-    sums.rotation_gradient[2][i] += x * gy - y * gx;
-    sums.xx[i] += xx;
-    sums.xz[i] += xz;
-    sums.yy[i] += yy;
-    sums.yz[i] += yz;
-    sums.zz[i] += zz;
-    const double c00 = y * xz, c01 = z * xx - x * xz, c02 = -y * xx;
-    const double c10 = y * yz - z * yy, c11 = -x * yz, c12 = x * yy;
-    const double c20 = y * zz - z * yz, c21 = z * xz - x * zz, c22 = x * yz - y * xz;
-    sums.cross[0][0][i] += c00;
-    sums.cross[0][1][i] += c01;
-    sums.cross[0][2][i] += c02;
-    sums.cross[1][0][i] += c10;
-    sums.cross[1][1][i] += c11;
-    sums.cross[1][2][i] += c12;
-    sums.cross[2][0][i] += c20;
-    sums.cross[2][1][i] += c21;
-    sums.cross[2][2][i] += c22;
-    sums.r00[i] += y * c20 - z * c10;
-    sums.r01[i] += y * c21 - z * c11;
-    sums.r02[i] += y * c22 - z * c12;
-    sums.r11[i] += z * c01 - x * c21;
-    sums.r12[i] += z * c02 - x * c22;
-    sums.r22[i] += x * c12 - y * c02;
+    const Terms terms = Evaluate(c, block, i);
+    AddTranslation(terms, sums, i);
+    AddRotation(terms, sums, i);
   }
 }
 
