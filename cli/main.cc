@@ -12,8 +12,8 @@
 
 int main(int argc, char** argv) {
   using namespace pangaea;
-  return RunCommandLine({StatusCommand(), EvaluateCommand(), PlotCommand(), ExportCommand(), SimulateCommand(),
-                         DigestCommand(), UndoCommand(), VocabularyCommand(), LcmPublishCommand(),
-                         ImportKeyframesCommand()},
-                        argc, argv);
+  return RunCommandLine(
+      {StatusCommand(), EvaluateCommand(), PlotCommand(), ExportCommand(), SimulateCommand(), DigestCommand(),
+       UndoCommand(), VocabularyCommand(), LcmPublishCommand(), ImportKeyframesCommand()},
+      argc, argv);
 }

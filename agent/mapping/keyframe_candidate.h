@@ -18,7 +18,7 @@ struct KeyframeCandidate {
   std::shared_ptr<const KeyframeData> data;
   // The keyframe it was tracked against; none where it is the first of a new map.
   KeyframeId reference;
-  Rigid3d camera_from_reference;        // camera frame of `reference` to the camera frame of the candidate
+  Rigid3d camera_from_reference;  // camera frame of `reference` to the camera frame of the candidate
   // The landmark tracked at each keypoint; none where none. As long as data->features.keypoints. Some may have been
   // fused or culled since: resolve them.
   std::vector<LandmarkId> landmarks;

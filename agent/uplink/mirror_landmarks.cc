@@ -86,8 +86,8 @@ bool MirrorUpdate::MatchLandmark(LandmarkId id, std::set<LandmarkId>& landmarks)
   // With guests among the observers it is not for this agent to say which of them is the reference.
   if (HasGuests(*mirror_.FindLandmark(id))) return true;
   if (ObservationAt(*mirror_.FindLandmark(id), wanted.reference) == nullptr) return true;
-  // Taking the reference's observation away passes the reference on to another: until it is the wanted one. But what the
-  // agent has forgotten is not to be taken away: the mirror passes that on when it forgets it, too.
+  // Taking the reference's observation away passes the reference on to another: until it is the wanted one. But what
+  // the agent has forgotten is not to be taken away: the mirror passes that on when it forgets it, too.
   while (mirror_.FindLandmark(id)->reference != wanted.reference) {
     const Keyframe* present = agent_.FindKeyframe(mirror_.FindLandmark(id)->reference);
     if (present != nullptr && IsForgotten(*present)) break;

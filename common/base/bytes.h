@@ -16,7 +16,7 @@ static_assert(std::endian::native == std::endian::little, "the byte codec writes
 class ByteWriter {
  public:
   template <typename T>
-    requires std::is_arithmetic_v<T>
+  requires std::is_arithmetic_v<T>
   void Word(T value) {
     const std::size_t begin = bytes_.size();
     bytes_.resize(begin + sizeof(T));
@@ -42,8 +42,7 @@ class ByteReader {
   explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
 
   template <typename T>
-    requires std::is_arithmetic_v<T>
-  T Word() {
+  requires std::is_arithmetic_v<T> T Word() {
     T value{};
     if (!Has(sizeof(T))) return value;
     std::memcpy(&value, bytes_.data() + position_, sizeof(T));

@@ -7,8 +7,8 @@ namespace pangaea {
 // The virtual, undistorted (for stereo: rectified) left camera that all observations refer to. Pixels have their
 // centre at integer coordinates; the optical axis is +z, x right, y down, in the `camera` frame.
 struct IdealCamera {
-  int width = 0;   // pixels
-  int height = 0;  // pixels
+  int width = 0;          // pixels
+  int height = 0;         // pixels
   double focal_x = 0.0;   // pixels
   double focal_y = 0.0;   // pixels
   double center_x = 0.0;  // pixels

@@ -41,8 +41,8 @@ struct LandmarkSighting {
 };
 
 // Looks for the landmarks (`wanted`, each once) among the keypoints of `keyframe`, by projection and descriptor. Each
-// landmark occurs once, and as the options say each keypoint. Landmarks that are gone, or that the keyframe observes already, are passed
-// over.
+// landmark occurs once, and as the options say each keypoint. Landmarks that are gone, or that the keyframe observes
+// already, are passed over.
 std::vector<LandmarkSighting> FindLandmarks(const Atlas& atlas, const Keyframe& keyframe,
                                             const std::vector<LandmarkId>& wanted,
                                             const LandmarkSearchOptions& options);

@@ -19,7 +19,7 @@ namespace pangaea {
 // What of the atlas living agents work on: it is left as it is.
 struct InUseOptions {
   std::size_t newest = 500;  // keyframes of a living session
-  std::size_t around = 40;  // and those around the newest one, by what they see in common
+  std::size_t around = 40;   // and those around the newest one, by what they see in common
 
   Status Check() const;
 };

@@ -9,9 +9,9 @@
 
 namespace pangaea {
 
-// A landmark and its first observation: a landmark is never without one. With a culled reference it is gone at once; at a
-// keypoint that shows a landmark by now it is that one, and its id forwards to it. The id of a landmark that is gone may
-// be used again for the same landmark.
+// A landmark and its first observation: a landmark is never without one. With a culled reference it is gone at once; at
+// a keypoint that shows a landmark by now it is that one, and its id forwards to it. The id of a landmark that is gone
+// may be used again for the same landmark.
 struct AddLandmark {
   static constexpr std::uint8_t kTag = 3;
   static constexpr std::uint8_t kVersion = 2;

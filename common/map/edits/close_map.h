@@ -7,8 +7,8 @@
 
 namespace pangaea {
 
-// No further keyframes of its session come to the map. Nothing happens where it is merged; where others were merged into
-// it, or other sessions have keyframes in it, they may go on.
+// No further keyframes of its session come to the map. Nothing happens where it is merged; where others were merged
+// into it, or other sessions have keyframes in it, they may go on.
 struct CloseMap {
   static constexpr std::uint8_t kTag = 13;
   static constexpr std::uint8_t kVersion = 1;
