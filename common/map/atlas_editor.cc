@@ -1,6 +1,7 @@
 #include "common/map/atlas_editor.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "common/base/check.h"
@@ -8,12 +9,20 @@
 namespace pangaea {
 namespace {
 
-void ChangeWeight(std::vector<Covisibility>& covisible, KeyframeId other, int change) {
-  auto edge = std::lower_bound(covisible.begin(), covisible.end(), other,
-                               [](const Covisibility& c, KeyframeId id) { return c.keyframe < id; });
-  if (edge == covisible.end() || edge->keyframe != other) edge = covisible.insert(edge, {other, 0});
-  edge->weight = static_cast<std::uint32_t>(static_cast<std::int64_t>(edge->weight) + change);
-  if (edge->weight == 0) covisible.erase(edge);
+// `others` ascend. Each is looked for behind the one before.
+void ChangeWeights(std::vector<Covisibility>& covisible, std::span<const Observation> others, int change) {
+  auto edge = covisible.begin();
+  for (const Observation& other : others) {
+    edge = std::lower_bound(edge, covisible.end(), other.keyframe,
+                            [](const Covisibility& c, KeyframeId id) { return c.keyframe < id; });
+    if (edge == covisible.end() || edge->keyframe != other.keyframe) edge = covisible.insert(edge, {other.keyframe, 0});
+    edge->weight = static_cast<std::uint32_t>(static_cast<std::int64_t>(edge->weight) + change);
+    if (edge->weight == 0) edge = covisible.erase(edge);
+  }
+}
+
+bool IsObservedFrom(std::span<const Observation> observations, KeyframeId keyframe) {
+  return std::ranges::binary_search(observations, keyframe, {}, &Observation::keyframe);
 }
 
 auto FindObservation(std::vector<Observation>& observations, KeyframeId keyframe) {
@@ -100,26 +109,29 @@ void AtlasEditor::InsertLandmark(LandmarkId id, const Eigen::Vector3d& point_in_
   Observe(id, reference, keypoint);
 }
 
-void AtlasEditor::ChangeCovisibility(KeyframeId a, KeyframeId b, int change) {
-  ChangeWeight(WriteKeyframe(a).covisible, b, change);
-  ChangeWeight(WriteKeyframe(b).covisible, a, change);
+void AtlasEditor::ChangeCovisibility(std::span<const Observation> some, std::span<const Observation> others,
+                                     int change) {
+  for (const Observation& observer : some) ChangeWeights(WriteKeyframe(observer.keyframe).covisible, others, change);
+  for (const Observation& other : others) ChangeWeights(WriteKeyframe(other.keyframe).covisible, some, change);
 }
 
 void AtlasEditor::Observe(LandmarkId landmark, KeyframeId keyframe, std::uint32_t keypoint) {
   auto& observations = WriteLandmark(landmark).observations;
-  for (const Observation& other : observations) ChangeCovisibility(keyframe, other.keyframe, +1);
-  observations.insert(FindObservation(observations, keyframe), {keyframe, keypoint});
+  const Observation observation{keyframe, keypoint};
+  ChangeCovisibility({&observation, 1}, observations, +1);
+  observations.insert(FindObservation(observations, keyframe), observation);
   WriteKeyframe(keyframe).landmarks.at(keypoint) = landmark;
 }
 
 void AtlasEditor::Unobserve(LandmarkId landmark, KeyframeId keyframe) {
   Landmark& from = WriteLandmark(landmark);
-  const auto observation = FindObservation(from.observations, keyframe);
-  PANGAEA_CHECK(observation != from.observations.end() && observation->keyframe == keyframe);
+  const auto found = FindObservation(from.observations, keyframe);
+  PANGAEA_CHECK(found != from.observations.end() && found->keyframe == keyframe);
+  const Observation observation = *found;
   Keyframe& observer = WriteKeyframe(keyframe);
-  observer.landmarks.at(observation->keypoint) = {};
-  from.observations.erase(observation);
-  for (const Observation& other : from.observations) ChangeCovisibility(keyframe, other.keyframe, -1);
+  observer.landmarks.at(observation.keypoint) = {};
+  from.observations.erase(found);
+  ChangeCovisibility({&observation, 1}, from.observations, -1);
   if (from.observations.empty()) return EraseLandmark(landmark, observer.map);
   if (from.reference == keyframe) from.reference = from.observations.front().keyframe;
 }
@@ -132,6 +144,29 @@ void AtlasEditor::EraseLandmark(LandmarkId id, MapId map) {
 void AtlasEditor::RemoveLandmark(LandmarkId id) {
   const std::vector<Observation> observations = atlas_.FindLandmark(id)->observations;
   for (const Observation& observation : observations) Unobserve(id, observation.keyframe);
+}
+
+// Two keyframes share one landmark more where each saw one of the two alone, and one less where both saw both.
+void AtlasEditor::Fuse(LandmarkId kept_id, LandmarkId absorbed_id) {
+  const std::vector<Observation> absorbed = atlas_.FindLandmark(absorbed_id)->observations;
+  Landmark& kept = WriteLandmark(kept_id);
+  std::vector<Observation> of_absorbed_alone, of_both, of_kept_alone;
+  for (const Observation& observation : absorbed) {
+    const bool both = IsObservedFrom(kept.observations, observation.keyframe);
+    (both ? of_both : of_absorbed_alone).push_back(observation);
+    WriteKeyframe(observation.keyframe).landmarks.at(observation.keypoint) = both ? LandmarkId{} : kept_id;
+  }
+  std::ranges::copy_if(kept.observations, std::back_inserter(of_kept_alone),
+                       [&](const Observation& o) { return !IsObservedFrom(absorbed, o.keyframe); });
+  ChangeCovisibility(of_absorbed_alone, of_kept_alone, +1);
+  for (std::size_t i = 0; i < of_both.size(); ++i) {
+    ChangeCovisibility({&of_both[i], 1}, std::span(of_both).subspan(i + 1), -1);
+  }
+  for (const Observation& observation : of_absorbed_alone) {
+    kept.observations.insert(FindObservation(kept.observations, observation.keyframe), observation);
+  }
+  EraseLandmark(absorbed_id, atlas_.FindKeyframe(kept.reference)->map);
+  ForwardLandmark(absorbed_id, kept_id);
 }
 
 void AtlasEditor::ForwardLandmark(LandmarkId id, LandmarkId absorber) { WriteSlot(id) = absorber; }

@@ -29,6 +29,9 @@ class AtlasEditor {
   // the lowest id.
   void Unobserve(LandmarkId landmark, KeyframeId keyframe);
   void RemoveLandmark(LandmarkId id);
+  // Two of one map become one: the observers of `absorbed`, which forwards from now on, observe `kept` in its stead.
+  // Those that observe both go on with the keypoint of `kept`.
+  void Fuse(LandmarkId kept, LandmarkId absorbed);
   void ForwardLandmark(LandmarkId id, LandmarkId absorber);  // of one that is gone
   void ForgetLandmark(LandmarkId id);                        // of one that never was: from now on it is gone
 
@@ -66,7 +69,8 @@ class AtlasEditor {
   void EraseLandmark(LandmarkId id, MapId map);
   void RehangLoopEdges(KeyframeId id, const CulledKeyframe& culled);
   void DropForwardsToNothing();
-  void ChangeCovisibility(KeyframeId a, KeyframeId b, int change);
+  // Of each pair of one of these and one of the others; both ascend and have none in common.
+  void ChangeCovisibility(std::span<const Observation> some, std::span<const Observation> others, int change);
 
   Atlas& atlas_;
 };

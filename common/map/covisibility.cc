@@ -31,17 +31,20 @@ std::vector<KeyframeId> GrowWindow(const Atlas& atlas, KeyframeId seed, std::siz
   return window;
 }
 
-std::vector<LandmarkId> LandmarksSeenBy(const Atlas& atlas, const std::vector<KeyframeId>& keyframes) {
-  std::vector<LandmarkId> seen;
+LandmarkIdSet LandmarkSetOf(const Atlas& atlas, const std::vector<KeyframeId>& keyframes) {
+  LandmarkIdSet seen;
   for (const KeyframeId id : keyframes) {
     const Keyframe* keyframe = atlas.FindKeyframe(id);
     if (keyframe == nullptr) continue;
-    std::copy_if(keyframe->landmarks.begin(), keyframe->landmarks.end(), std::back_inserter(seen),
-                 [](LandmarkId landmark) { return landmark.valid(); });
+    for (const LandmarkId landmark : keyframe->landmarks) {
+      if (landmark.valid()) seen.Insert(landmark);
+    }
   }
-  std::sort(seen.begin(), seen.end());
-  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
   return seen;
+}
+
+std::vector<LandmarkId> LandmarksSeenBy(const Atlas& atlas, const std::vector<KeyframeId>& keyframes) {
+  return LandmarkSetOf(atlas, keyframes).Ascending();
 }
 
 }  // namespace pangaea

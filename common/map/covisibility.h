@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/map/atlas.h"
+#include "common/map/id_set.h"
 
 namespace pangaea {
 
@@ -16,7 +17,9 @@ std::vector<Covisibility> CovisibleKeyframes(const Atlas& atlas, KeyframeId id, 
 // `max_keyframes`. Empty for an unknown seed.
 std::vector<KeyframeId> GrowWindow(const Atlas& atlas, KeyframeId seed, std::size_t max_keyframes);
 
-// The landmarks that the keyframes observe, ascending, each once. Unknown ids are left out.
+// The landmarks that the keyframes observe. Unknown ids are left out.
+LandmarkIdSet LandmarkSetOf(const Atlas& atlas, const std::vector<KeyframeId>& keyframes);
+// The same, ascending, each once.
 std::vector<LandmarkId> LandmarksSeenBy(const Atlas& atlas, const std::vector<KeyframeId>& keyframes);
 
 }  // namespace pangaea

@@ -24,19 +24,20 @@ void AddPoses(const Atlas& atlas, const std::vector<KeyframeId>& keyframes, bool
   }
 }
 
-void AddPoint(const Atlas& atlas, const Landmark& landmark, const MeasurementNoiseOptions& noise,
-              WindowBundle& bundle) {
+// `data`: of the poses.
+void AddPoint(const Landmark& landmark, const std::vector<const KeyframeData*>& data,
+              const MeasurementNoiseOptions& noise, WindowBundle& bundle) {
   const int point = static_cast<int>(bundle.problem.points.size());
   bundle.landmarks.push_back(landmark.id);
   bundle.problem.points.push_back({.point_in_map = landmark.point_in_map});
   for (const Observation& observation : landmark.observations) {
     const auto pose = bundle.pose_index.find(observation.keyframe);
     if (pose == bundle.pose_index.end()) continue;
-    const KeyframeData& data = *atlas.FindKeyframe(observation.keyframe)->data;
-    const Keypoint& keypoint = data.features.keypoints[observation.keypoint];
+    const KeyframeData& observer = *data[static_cast<std::size_t>(pose->second)];
+    const Keypoint& keypoint = observer.features.keypoints[observation.keypoint];
     bundle.problem.observations.push_back({.pose = pose->second,
                                            .point = point,
-                                           .measurement = ReliableMeasurementOf(data.camera, keypoint, noise),
+                                           .measurement = ReliableMeasurementOf(observer.camera, keypoint, noise),
                                            .inverse_sigma = 1.0 / SigmaOf(keypoint, noise)});
   }
 }
@@ -67,7 +68,9 @@ WindowBundle BuildWindowBundle(const Atlas& atlas, const BundleWindow& window, c
   WindowBundle bundle;
   AddPoses(atlas, window.free, false, bundle);
   AddPoses(atlas, window.fixed, true, bundle);
-  for (const LandmarkId id : window.landmarks) AddPoint(atlas, *atlas.FindLandmark(id), noise, bundle);
+  std::vector<const KeyframeData*> data;
+  for (const KeyframeId id : bundle.keyframes) data.push_back(atlas.FindKeyframe(id)->data.get());
+  for (const LandmarkId id : window.landmarks) AddPoint(*atlas.FindLandmark(id), data, noise, bundle);
   return bundle;
 }
 

@@ -49,7 +49,7 @@ std::optional<MapEconomy> EconomizeMap(const Atlas& snapshot, MapId map, const s
                                        const EconomyOptions& options, const RedundancyOptions& redundancy,
                                        const std::stop_token& stop) {
   MapFusion fusion = FuseDuplicates(snapshot, map, ParentsFirst(snapshot, map), options.fusion, stop);
-  Atlas draft = Corrected(fusion.correction.base, fusion.correction);
+  Atlas draft = std::move(fusion.after);
   std::vector<MapEdit> landmarks = PlanThinning(draft, map, in_use, options.thinning, stop);
   ApplyAll(landmarks, draft);
   std::vector<MapEdit> keyframes = PlanKeyframeCulling(draft, map, in_use, redundancy, stop);

@@ -14,8 +14,7 @@ Status MapOptimizationOptions::Check() const {
 std::optional<MapOptimization> OptimizeMap(const Atlas& snapshot, MapId map, const MapOptimizationOptions& options,
                                            const std::stop_token& stop, const std::function<bool()>& out_of_time) {
   MapFusion fusion = FuseDuplicates(snapshot, map, ParentsFirst(snapshot, map), options.fusion, stop);
-  const Atlas fused = Corrected(fusion.correction.base, fusion.correction);
-  auto bundle = AdjustMap(fused, map, options.bundle, stop, out_of_time);
+  auto bundle = AdjustMap(fusion.after, map, options.bundle, stop, out_of_time);
   if (!bundle) return std::nullopt;
   MapOptimization result;
   result.fused = fusion.fused;

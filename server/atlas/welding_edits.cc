@@ -42,11 +42,4 @@ Result<std::vector<MapEdit>> OptimizationEdits(const OptimizedMap& optimized, co
   return edits;
 }
 
-Atlas Corrected(const Atlas& atlas, const Correction& correction) {
-  Atlas corrected = atlas;
-  std::vector<MapEdit> edits;
-  if (!Append(correction, corrected, edits)) return atlas;
-  return corrected;
-}
-
 }  // namespace pangaea

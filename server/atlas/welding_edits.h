@@ -25,7 +25,4 @@ struct OptimizedMap {
 // The same of the atlas as it is now. An error where it does not fit.
 Result<std::vector<MapEdit>> OptimizationEdits(const OptimizedMap& optimized, const Atlas& current);
 
-// The atlas with a correction made of it: where a plan ends on the snapshot it was made on.
-Atlas Corrected(const Atlas& atlas, const Correction& correction);
-
 }  // namespace pangaea

@@ -47,7 +47,7 @@ void DuplicateFusion::FuseIfOnePoint(LandmarkId a, LandmarkId b) {
   const auto point = CommonPoint(*atlas_.FindLandmark(fusion.kept), *atlas_.FindLandmark(fusion.absorbed));
   if (!point) return;
   draft_.Change(fusion);
-  draft_.Move({}, {{fusion.kept, *point}});
+  draft_.MovePoint(fusion.kept, *point);
 }
 
 void DuplicateFusion::ObserveIfOnePoint(LandmarkId id, const Observation& observation) {
@@ -107,10 +107,9 @@ void FuseAcrossSeam(const WeldingWindow& window, const std::vector<std::pair<Lan
 }
 
 std::vector<LandmarkId> CommonLandmarks(const Atlas& atlas, const WeldingWindow& window) {
-  const std::vector<LandmarkId> kept = LandmarksSeenBy(atlas, window.kept);
-  const std::vector<LandmarkId> moved = LandmarksSeenBy(atlas, window.moved);
-  std::vector<LandmarkId> common;
-  std::set_intersection(kept.begin(), kept.end(), moved.begin(), moved.end(), std::back_inserter(common));
+  const LandmarkIdSet moved = LandmarkSetOf(atlas, window.moved);
+  std::vector<LandmarkId> common = LandmarksSeenBy(atlas, window.kept);
+  std::erase_if(common, [&moved](LandmarkId id) { return !moved.Contains(id); });
   return common;
 }
 

@@ -29,7 +29,7 @@ MapFusion FuseDuplicates(const Atlas& snapshot, MapId map, const std::vector<Key
     if (keyframe == nullptr || keyframe->map != map) continue;
     fusion.SearchIn(id, index.InView(Viewpoint(*keyframe)));
   }
-  MapFusion result{.edits = draft.edits(), .correction = draft.Moves(map)};
+  MapFusion result{.edits = draft.edits(), .correction = draft.Moves(map), .after = draft.welded()};
   for (const MapEdit& edit : result.edits) {
     result.fused += std::holds_alternative<FuseLandmarks>(edit) ? 1 : 0;
     result.added += std::holds_alternative<AddObservation>(edit) ? 1 : 0;

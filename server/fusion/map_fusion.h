@@ -25,7 +25,8 @@ struct MapFusionOptions {
 // As a WeldingPlan's: first the edits (ApplyTolerantly), then the correction (Rebase).
 struct MapFusion {
   std::vector<MapEdit> edits;
-  Correction correction;
+  Correction correction;  // against the snapshot
+  Atlas after;            // the snapshot with both
   std::size_t fused = 0;
   std::size_t added = 0;
 };

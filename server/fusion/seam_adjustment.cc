@@ -22,29 +22,22 @@ BundleWindow ToBundleWindow(const Atlas& atlas, const WeldingWindow& window) {
   all.insert(all.end(), bundle.fixed.begin(), bundle.fixed.end());
   bundle.landmarks = TyingLandmarks(atlas, all);
   // What only fixed keyframes see does not tie anything that moves.
-  const std::vector<LandmarkId> of_free = LandmarksSeenBy(atlas, bundle.free);
-  std::erase_if(bundle.landmarks,
-                [&](LandmarkId id) { return !std::binary_search(of_free.begin(), of_free.end(), id); });
+  const LandmarkIdSet of_free = LandmarkSetOf(atlas, bundle.free);
+  std::erase_if(bundle.landmarks, [&of_free](LandmarkId id) { return !of_free.Contains(id); });
   return bundle;
 }
 
 }  // namespace
 
 std::vector<LandmarkId> TyingLandmarks(const Atlas& atlas, const std::vector<KeyframeId>& keyframes) {
-  std::vector<LandmarkId> seen;
+  LandmarkIdSet seen;
+  LandmarkIdSet tying;
   for (const KeyframeId id : keyframes) {
     for (const LandmarkId landmark : atlas.FindKeyframe(id)->landmarks) {
-      if (landmark.valid()) seen.push_back(landmark);
+      if (landmark.valid() && !seen.Insert(landmark)) tying.Insert(landmark);
     }
   }
-  std::sort(seen.begin(), seen.end());
-  std::vector<LandmarkId> tying;
-  for (auto first = seen.begin(); first != seen.end();) {
-    const auto last = std::find_if(first, seen.end(), [&](LandmarkId id) { return id != *first; });
-    if (last - first > 1) tying.push_back(*first);
-    first = last;
-  }
-  return tying;
+  return tying.Ascending();
 }
 
 std::optional<SeamAdjustment> AdjustSeam(const Atlas& atlas, const WeldingWindow& window, const FusionOptions& options,

@@ -1,7 +1,8 @@
 #include "server/fusion/seam_residual.h"
 
-#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 #include "common/geometry/reprojection.h"
 #include "server/fusion/seam_adjustment.h"
@@ -50,10 +51,16 @@ SeamResidual& SeamResidual::operator+=(const SeamResidual& other) {
 }
 
 SeamResidual MeasureResidual(const WindowBundle& bundle, const std::vector<LandmarkId>& landmarks) {
+  // Both ascend.
+  std::vector<std::uint8_t> counts(bundle.landmarks.size());
+  auto next = landmarks.begin();
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    while (next != landmarks.end() && *next < bundle.landmarks[i]) ++next;
+    counts[i] = next != landmarks.end() && *next == bundle.landmarks[i] ? 1 : 0;
+  }
   SeamResidual residual;
   for (const BundleObservation& observation : bundle.problem.observations) {
-    const LandmarkId id = bundle.landmarks[static_cast<std::size_t>(observation.point)];
-    if (std::binary_search(landmarks.begin(), landmarks.end(), id)) Add(bundle.problem, observation, residual);
+    if (counts[static_cast<std::size_t>(observation.point)] != 0) Add(bundle.problem, observation, residual);
   }
   return residual;
 }

@@ -20,7 +20,7 @@ struct SeamResidual {
   SeamResidual& operator+=(const SeamResidual& other);
 };
 
-// Of the observations of these landmarks (ascending), at the poses and points of the problem.
+// Of the observations of these landmarks, at the poses and points of the problem. Ascending, as those of the bundle.
 SeamResidual MeasureResidual(const WindowBundle& bundle, const std::vector<LandmarkId>& landmarks);
 
 // Of what the keyframes see together, as it stands in the atlas.

@@ -32,8 +32,7 @@ class Welding {
         options_(options),
         stop_(std::move(stop)),
         window_(GrowWeldingWindow(snapshot, seam, options.window)),
-        draft_(snapshot),
-        before_seam_(snapshot) {}
+        draft_(snapshot) {}
 
   WeldingOutcome Run(const PlaceEvidence& match) {
     evidence_.match = match;
@@ -76,18 +75,16 @@ class Welding {
 
   void Align() {
     if (seam_.is_merge()) {
-      draft_.Change(MergeMaps{.survivor = seam_.kept_map,
-                              .absorbed = seam_.moved_map,
-                              .survivor_from_absorbed = seam_.kept_from_moved,
-                              .absorbed_attachment = seam_.moved,
-                              .survivor_attachment = seam_.kept});
-      before_seam_ = draft_.welded();
-      return;
+      return draft_.Merge(MergeMaps{.survivor = seam_.kept_map,
+                                    .absorbed = seam_.moved_map,
+                                    .survivor_from_absorbed = seam_.kept_from_moved,
+                                    .absorbed_attachment = seam_.moved,
+                                    .survivor_attachment = seam_.kept});
     }
     // What the kept side sees as well holds both together already and stays.
     std::vector<LandmarkId> landmarks = LandmarksSeenBy(snapshot_, window_.moved);
-    const std::vector<LandmarkId> of_kept = LandmarksSeenBy(snapshot_, window_.kept);
-    std::erase_if(landmarks, [&](LandmarkId id) { return std::binary_search(of_kept.begin(), of_kept.end(), id); });
+    const LandmarkIdSet of_kept = LandmarkSetOf(snapshot_, window_.kept);
+    std::erase_if(landmarks, [&of_kept](LandmarkId id) { return of_kept.Contains(id); });
     draft_.Transform(window_.moved, landmarks, seam_.kept_from_moved);
   }
 
@@ -130,7 +127,7 @@ class Welding {
                        .absorbed = seam_.is_merge() ? seam_.moved_map : MapId{},
                        .edits = draft_.edits(),
                        .correction = correction,
-                       .before_seam = before_seam_,
+                       .after_seam = draft_.welded(),
                        .held = Held(correction),
                        .evidence = evidence_};
   }
@@ -141,7 +138,6 @@ class Welding {
   std::stop_token stop_;
   const WeldingWindow window_;
   WeldingDraft draft_;
-  Atlas before_seam_;
   WeldingEvidence evidence_;
 };
 

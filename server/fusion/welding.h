@@ -58,14 +58,15 @@ struct WeldingPlan {
   // removals, none of which moves anything, and the loop edge between the ends. Its motion is the welded one: between
   // poses as corrected, in lengths as corrected, scale 1.
   std::vector<MapEdit> edits;
-  // The keyframes of the window, fixed ones left out, and their landmarks; base: the snapshot with the edits.
+  // The keyframes of the window, fixed ones left out, and their landmarks; base: the snapshot, of a merge with both maps
+  // in one frame.
   Correction correction;
   // For the pose graph that takes the correction on to the rest of the map. (Of a loop it has to: the window around the
-  // moved end lies where the seam wants it, and what hangs on it does not know yet.) The map before the seam, of a
-  // merge with both maps in one frame: from its poses and its covisibility, not from the base's, whose covisibility
-  // reaches across the seam. And the keyframes of the window with those that held it, which have to stay where the
-  // correction has them, each with the factor by which lengths around it were multiplied.
-  Atlas before_seam;
+  // moved end lies where the seam wants it, and what hangs on it does not know yet.) It measures on the map before the
+  // seam, which is the base of the correction, and starts from the one after it: the snapshot with edits and
+  // correction. And the keyframes of the window with those that held it, which have to stay where the correction has
+  // them, each with the factor by which lengths around it were multiplied.
+  Atlas after_seam;
   std::map<KeyframeId, double> held;
   WeldingEvidence evidence;
 

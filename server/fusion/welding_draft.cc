@@ -5,10 +5,13 @@
 
 namespace pangaea {
 
+void WeldingDraft::Merge(const MergeMaps& edit) {
+  Change(edit);
+  base_ = welded_;
+}
+
 void WeldingDraft::Change(const MapEdit& edit) {
-  // What was found in the welded atlas is as true in the other: they differ in where things are, not in what is.
-  if (!Apply(edit, welded_) || !Apply(edit, structure_)) return;
-  edits_.push_back(edit);
+  if (Apply(edit, welded_)) edits_.push_back(edit);
 }
 
 void WeldingDraft::Change(const std::vector<MapEdit>& edits) {
@@ -31,30 +34,36 @@ void WeldingDraft::Transform(const std::vector<KeyframeId>& keyframes, const std
 
 void WeldingDraft::Move(const std::vector<std::pair<KeyframeId, Rigid3d>>& camera_from_map,
                         std::vector<std::pair<LandmarkId, Eigen::Vector3d>> point_in_map) {
-  std::set<LandmarkId> named;
-  for (const auto& [id, point] : point_in_map) named.insert(id);
+  LandmarkIdSet named;
+  for (const auto& [id, point] : point_in_map) named.Insert(id);
   for (const auto& [id, pose] : camera_from_map) {
     const Keyframe& keyframe = *welded_.FindKeyframe(id);
     for (const LandmarkId landmark_id : keyframe.landmarks) {
-      if (!landmark_id.valid() || named.contains(landmark_id)) continue;
+      if (!landmark_id.valid() || named.Contains(landmark_id)) continue;
       const Landmark& landmark = *welded_.FindLandmark(landmark_id);
       if (landmark.reference != id) continue;
       point_in_map.emplace_back(landmark_id, pose.Inverse() * (keyframe.camera_from_map * landmark.point_in_map));
     }
     moved_keyframes_.try_emplace(id, 1.0);
   }
-  for (const auto& [id, point] : point_in_map) moved_landmarks_.insert(id);
+  for (const auto& [id, point] : point_in_map) moved_landmarks_.Insert(id);
   (void)Apply(MoveKeyframesTo(welded_, camera_from_map), welded_);
   (void)Apply(MoveLandmarksTo(welded_, point_in_map), welded_);
 }
 
+void WeldingDraft::MovePoint(LandmarkId id, const Eigen::Vector3d& point_in_map) {
+  moved_landmarks_.Insert(id);
+  const std::pair<LandmarkId, Eigen::Vector3d> moved(id, point_in_map);
+  (void)Apply(MoveLandmarksTo(welded_, {&moved, 1}), welded_);
+}
+
 Correction WeldingDraft::Moves(MapId map) const {
-  Correction correction{.base = structure_, .map = map, .keyframes = {}, .landmarks = {}};
+  Correction correction{.base = base_, .map = map, .keyframes = {}, .landmarks = {}};
   for (const auto& [id, scale] : moved_keyframes_) {
     const Keyframe* keyframe = welded_.FindKeyframe(id);
     if (keyframe != nullptr) correction.keyframes.push_back({id, keyframe->camera_from_map, scale});
   }
-  for (const LandmarkId id : moved_landmarks_) {
+  for (const LandmarkId id : moved_landmarks_.Ascending()) {
     const Landmark* landmark = welded_.FindLandmark(id);
     if (landmark != nullptr) correction.landmarks.push_back({id, landmark->point_in_map});
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include "common/map/edits/reference_scale.h"
@@ -57,7 +58,9 @@ class Rebasing {
   // `moved` is the atlas after the edit of the keyframes.
   MoveLandmarks Landmarks(const Atlas& moved) const {
     std::vector<std::pair<LandmarkId, Eigen::Vector3d>> points;
+    const std::unordered_set<KeyframeId> references = ReferencesOfCorrected();
     for (const KeyframeId id : tree_) {
+      if (!destinations_.at(id).moves && !references.contains(id)) continue;
       for (const LandmarkId landmark : current_.FindKeyframe(id)->landmarks) {
         if (landmark.valid()) MoveLandmark(*current_.FindLandmark(landmark), id, moved, points);
       }
@@ -66,6 +69,15 @@ class Rebasing {
   }
 
  private:
+  std::unordered_set<KeyframeId> ReferencesOfCorrected() const {
+    std::unordered_set<KeyframeId> references;
+    for (const auto& [id, corrected] : corrected_landmarks_) {
+      const Landmark* landmark = current_.FindLandmark(id);
+      if (landmark != nullptr) references.insert(landmark->reference);
+    }
+    return references;
+  }
+
   Destination Choose(const Keyframe& keyframe) const {
     const Destination stays{keyframe.camera_from_map};
     const auto corrected = corrected_keyframes_.find(keyframe.id);

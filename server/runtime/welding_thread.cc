@@ -121,8 +121,7 @@ void WeldingThread::WeldLoop(const PlaceMatch& match, const WeldingPlan& plan, c
 
 std::optional<Correction> WeldingThread::Spread(const WeldingPlan& plan, const std::stop_token& stop) {
   const Stopwatch watch;
-  const Atlas after_seam = Corrected(plan.correction.base, plan.correction);
-  auto spread = OptimizePoseGraph(plan.before_seam, after_seam, plan.map, plan.held, pose_graph_, stop);
+  auto spread = OptimizePoseGraph(plan.correction.base, plan.after_seam, plan.map, plan.held, pose_graph_, stop);
   if (!spread) return std::nullopt;
   spdlog::debug("pose graph of map {}: {} edges, cost {:.3g} to {:.3g}, {:.0f} ms", ToString(plan.map), spread->edges,
                 spread->initial_cost, spread->final_cost, watch.milliseconds());

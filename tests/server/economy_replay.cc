@@ -6,6 +6,7 @@
 // keyframes), count (by how many keyframes landmarks are seen).
 #include <cstdio>
 #include <ctime>
+#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -23,6 +24,7 @@
 #include "server/atlas/welding_agenda.h"
 #include "server/fusion/landmark_thinning.h"
 #include "server/fusion/redundancy.h"
+#include "server/ingest/ingest_round.h"
 #include "server/optimization/pose_graph.h"
 #include "server/place_recognition/place_recognizer.h"
 
@@ -92,6 +94,20 @@ class Replay {
     }
   }
 
+  // As the atlas thread does, but for the commit.
+  void Carry(std::function<Result<std::vector<MapEdit>>(const Atlas&)> make) {
+    IngestState before;
+    before.atlas = std::move(atlas());
+    before.position = position_;
+    IngestRound round(before, {}, 0);
+    round.Take(EditsProposed{{"replay"}, std::move(make)});
+    before = {};
+    IngestOutcome outcome = std::move(round).Finish({});
+    if (!outcome.answers.front()) std::printf("  %s\n", outcome.answers.front().error().message.c_str());
+    position_ = outcome.state.position;
+    atlas() = std::move(outcome.state.atlas);
+  }
+
   void Optimize() {
     for (const MapId map : atlas().Maps()) {
       const auto optimized = OptimizeMap(atlas(), map, {}, {});
@@ -139,13 +155,18 @@ class Replay {
           std::printf("  %5.0f ms %s\n", 1e3 * (planned - begin), Describe(plan.error()).c_str());
           continue;
         }
-        const Atlas after_seam = Corrected(plan->correction.base, plan->correction);
-        auto spread = OptimizePoseGraph(plan->before_seam, after_seam, plan->map, plan->held, {}, {});
+        if (plan->is_merge()) Carry([&](const Atlas& now) { return WeldingEdits(*plan, std::nullopt, now); });
+        const double carried = CpuSeconds();
+        auto spread =
+            OptimizePoseGraph(plan->correction.base, plan->after_seam, plan->map, plan->held, PoseGraphOptions(), {});
         const double spread_out = CpuSeconds();
-        const auto edits = WeldingEdits(*plan, spread->correction, atlas());
-        if (edits) Take(*edits);
-        std::printf("  plan %4.0f ms, pose graph %4.0f ms, edits %4.0f ms: %s\n", 1e3 * (planned - begin),
-                    1e3 * (spread_out - planned), 1e3 * (CpuSeconds() - spread_out), Describe(*plan).c_str());
+        Carry([&](const Atlas& now) {
+          return plan->is_merge() ? OptimizationEdits({{}, {spread->correction}, {}}, now)
+                                  : WeldingEdits(*plan, spread->correction, now);
+        });
+        std::printf("  plan %3.0f ms, edits of a merge %3.0f ms, pose graph %3.0f ms, edits %3.0f ms: %s\n",
+                    1e3 * (planned - begin), 1e3 * (carried - planned), 1e3 * (spread_out - carried),
+                    1e3 * (CpuSeconds() - spread_out), Describe(*plan).c_str());
       }
     }
     for (SessionPart& part : stored_.parts) part.map = atlas().Resolve(part.map);
@@ -186,6 +207,7 @@ class Replay {
   }
 
   StoredAtlas stored_;
+  std::uint64_t position_ = 1;
 };
 
 }  // namespace

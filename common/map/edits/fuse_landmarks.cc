@@ -1,21 +1,10 @@
 #include "common/map/edits/fuse_landmarks.h"
 
-#include <algorithm>
-
 #include "common/map/atlas_editor.h"
 #include "common/map/map_bytes.h"
 #include "common/map/validation.h"
 
 namespace pangaea {
-namespace {
-
-bool Observes(const Landmark& landmark, KeyframeId keyframe) {
-  return std::any_of(landmark.observations.begin(), landmark.observations.end(),
-                     [&](const Observation& o) { return o.keyframe == keyframe; });
-}
-
-}  // namespace
-
 Status Validate(const FuseLandmarks& edit, const Atlas& atlas) {
   if (auto status = CheckKnown(atlas, edit.kept); !status) return status;
   if (auto status = CheckKnown(atlas, edit.absorbed); !status) return status;
@@ -31,14 +20,8 @@ Status Validate(const FuseLandmarks& edit, const Atlas& atlas) {
 
 void ApplyValid(const FuseLandmarks& edit, AtlasEditor& editor) {
   const LandmarkId kept = editor.atlas().Resolve(edit.kept);
-  const Landmark* absorbed = editor.atlas().FindLandmark(edit.absorbed);
-  if (!kept.valid() || absorbed == nullptr || kept == edit.absorbed) return;
-  const std::vector<Observation> observations = absorbed->observations;
-  editor.RemoveLandmark(edit.absorbed);
-  for (const auto& [keyframe, keypoint] : observations) {
-    if (!Observes(*editor.atlas().FindLandmark(kept), keyframe)) editor.Observe(kept, keyframe, keypoint);
-  }
-  editor.ForwardLandmark(edit.absorbed, kept);
+  if (!kept.valid() || editor.atlas().FindLandmark(edit.absorbed) == nullptr || kept == edit.absorbed) return;
+  editor.Fuse(kept, edit.absorbed);
 }
 
 bool TouchesOnly(const FuseLandmarks& edit, SessionId session) { return edit.absorbed.session == session; }
