@@ -18,10 +18,23 @@ bool IsOld(const Landmark& landmark, const Keyframe& keyframe, const LandmarkSea
 }
 
 // What most landmarks fail, before anything that costs more.
-bool IsInView(const Landmark& landmark, const Viewpoint& viewpoint) {
-  const Eigen::Vector3d point = viewpoint.camera_from_map * landmark.point_in_map;
-  return point.z() > 0.0 && viewpoint.camera.Contains(viewpoint.camera.Project(point));
-}
+class ImageCheck {
+ public:
+  explicit ImageCheck(const Viewpoint& viewpoint)
+      : camera_(viewpoint.camera),
+        rotation_(viewpoint.camera_from_map.rotation().toRotationMatrix()),
+        translation_(viewpoint.camera_from_map.translation()) {}
+
+  bool Contains(const Eigen::Vector3d& point_in_map) const {
+    const Eigen::Vector3d point = rotation_ * point_in_map + translation_;
+    return point.z() > 0.0 && camera_.Contains(camera_.Project(point));
+  }
+
+ private:
+  const IdealCamera& camera_;
+  Eigen::Matrix3d rotation_;
+  Eigen::Vector3d translation_;
+};
 
 bool Observes(KeyframeId id, const Landmark& landmark) {
   return std::ranges::binary_search(landmark.observations, id, {}, &Observation::keyframe);
@@ -76,12 +89,13 @@ std::vector<LandmarkSighting> FindLandmarks(const Atlas& atlas, const Keyframe& 
                                             const std::vector<LandmarkId>& wanted,
                                             const LandmarkSearchOptions& options) {
   const Viewpoint viewpoint(keyframe);
+  const ImageCheck image(viewpoint);
   const Features& features = keyframe.data->features;
   std::vector<LandmarkSighting> queries;
   std::vector<ProjectionQuery> projections;
   for (const LandmarkId id : wanted) {
     const Landmark* landmark = atlas.FindLandmark(id);
-    if (landmark == nullptr || !IsInView(*landmark, viewpoint) || Observes(keyframe.id, *landmark)) continue;
+    if (landmark == nullptr || !image.Contains(landmark->point_in_map) || Observes(keyframe.id, *landmark)) continue;
     const auto view = PredictView(atlas, *landmark, viewpoint, options.max_view_angle);
     if (!view) continue;
     const bool old = IsOld(*landmark, keyframe, options);

@@ -58,8 +58,8 @@ struct WeldingPlan {
   // removals, none of which moves anything, and the loop edge between the ends. Its motion is the welded one: between
   // poses as corrected, in lengths as corrected, scale 1.
   std::vector<MapEdit> edits;
-  // The keyframes of the window, fixed ones left out, and their landmarks; base: the snapshot, of a merge with both maps
-  // in one frame.
+  // The keyframes of the window, fixed ones left out, and their landmarks; base: the snapshot, of a merge with both
+  // maps in one frame.
   Correction correction;
   // For the pose graph that takes the correction on to the rest of the map. (Of a loop it has to: the window around the
   // moved end lies where the seam wants it, and what hangs on it does not know yet.) It measures on the map before the
