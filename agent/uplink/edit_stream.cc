@@ -81,7 +81,9 @@ Status EditStream::Continue() {
     // A repair may find that closing a map is all that is missing.
     if (!repaired || !retained_.all_acknowledged()) return repaired;
   }
-  return Retain(planner_.PlanClosing(*snapshot_), options_.envelope_bytes);
+  Status closed = Retain(planner_.PlanClosing(*snapshot_), options_.envelope_bytes);
+  if (!closed || kind_ != PlanKind::kFlush || !retained_.all_acknowledged()) return closed;
+  return Retain(planner_.PlanFarewell(), options_.envelope_bytes);
 }
 
 Status EditStream::PlanRest() {

@@ -66,6 +66,14 @@ std::vector<MapEdit> UplinkPlanner::PlanClosing(const Atlas& snapshot) {
   return edits;
 }
 
+std::vector<MapEdit> UplinkPlanner::PlanFarewell() {
+  std::vector<MapEdit> edits;
+  for (const auto& [map, survivor] : mirror_.merged_maps()) {
+    if (map.session == session_ && farewells_.insert(map).second) edits.push_back(CloseMap{map});
+  }
+  return edits;
+}
+
 void UplinkPlanner::Note(const Atlas& snapshot, std::span<const MapEdit> applied_since) {
   for (const MapEdit& edit : applied_since) Mark(snapshot, edit);
 }

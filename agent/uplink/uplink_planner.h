@@ -61,6 +61,9 @@ class UplinkPlanner {
   // The maps that the agent closed and the server has not. For when the server has taken everything else: a closed map
   // takes no more keyframes, not even those of a repair.
   std::vector<MapEdit> PlanClosing(const Atlas& snapshot);
+  // Once for each: the session's maps that became part of others' are closed, too. To the map that changes nothing; the
+  // server learns that it may adjust what there is.
+  std::vector<MapEdit> PlanFarewell();
   // As far as Plan learns from it, without planning: the edits come with the next plan.
   void Note(const Atlas& snapshot, std::span<const MapEdit> applied_since);
 
@@ -87,6 +90,7 @@ class UplinkPlanner {
   Atlas mirror_;
   bool everything_is_new_ = false;
   std::int64_t newest_stamp_ns_ = 0;
+  std::set<MapId> farewells_;  // planned
   // What the agent touched and the mirror may not have followed yet.
   std::set<KeyframeId> unsent_;
   std::set<KeyframeId> culled_;

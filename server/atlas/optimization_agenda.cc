@@ -24,6 +24,15 @@ bool OptimizationAgenda::MapWelded(MapId map) {
   return true;
 }
 
+void OptimizationAgenda::SessionClosedMap(const Atlas& atlas, SessionId session) {
+  std::set<MapId> maps;
+  atlas.ForEachKeyframe(session, [&](const Keyframe& keyframe) { maps.insert(keyframe.map); });
+  for (const MapId map : maps) {
+    const Optimized& last = running_ == map ? at_start_ : optimized_[map];
+    if (atlas.FindMap(map)->keyframes != last.keyframes && IsWelded(atlas, map)) MakeDue(map);
+  }
+}
+
 void OptimizationAgenda::Update(const Atlas& atlas) {
   std::map<MapId, std::size_t> due;
   for (const auto& [map, time] : due_) {

@@ -33,6 +33,9 @@ class OptimizationAgenda {
   bool MapWelded(MapId map);
   // Something else changed it so much that it is due again.
   void MapChanged(MapId map) { MakeDue(map); }
+  // The session's agent said that nothing more comes to one of its maps. Every welded map with keyframes of it is due
+  // that is not what it was at its last adjustment: the agent waits for what that makes of them.
+  void SessionClosedMap(const Atlas& atlas, SessionId session);
   // Looks for maps that are due by themselves, and follows merges.
   void Update(const Atlas& atlas);
   // Starts the one that has waited longest. Nothing while one runs, or when none is due.

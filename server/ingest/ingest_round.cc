@@ -110,6 +110,9 @@ void IngestRound::Judge(Envelope envelope, IngestSession& session) {
   session.Accept();
   answers_[envelope.session].save = true;
   ReportMaps(*edits, envelope.session);
+  for (const MapEdit& edit : *edits) {
+    if (std::holds_alternative<CloseMap>(edit)) session.CloseMap();
+  }
   outcome_.batch.entries.push_back({++outcome_.state.position, std::move(envelope)});
 }
 

@@ -31,6 +31,7 @@ class IngestSession {
   // Decides about an envelope by its number and sender alone.
   Admission Admit(std::uint64_t sequence, const Sender& sender);
   void Accept() { ++record_.acknowledged; }
+  void CloseMap() { ++closed_maps_; }
   void Reject(Rejection rejection);
 
   // False when another live participant owns the session: the announcement is ignored.
@@ -46,6 +47,8 @@ class IngestSession {
   std::vector<Rejection> RecentRejections() const { return {recent_.begin(), recent_.end()}; }
   void RememberRejection(Rejection rejection);
 
+  // How often its agent has said, since the server started, that nothing more comes to one of its maps.
+  std::uint64_t closed_maps() const { return closed_maps_; }
   std::uint64_t duplicates() const { return duplicates_; }
   std::uint64_t gaps() const { return gaps_; }
   std::uint64_t foreign() const { return foreign_; }
@@ -58,6 +61,7 @@ class IngestSession {
   std::uint64_t announcer_ = 0;  // its writer of announcements
   std::uint64_t editor_ = 0;     // its writer of edits
   std::deque<Rejection> recent_;
+  std::uint64_t closed_maps_ = 0;
   std::uint64_t duplicates_ = 0;
   std::uint64_t gaps_ = 0;
   std::uint64_t foreign_ = 0;

@@ -56,7 +56,7 @@ void OptimizationThread::Run(const std::stop_token& stop) {
   while (bell_.Wait(stop)) {
     while (!stop.stop_requested()) {
       const auto state = service_.State();
-      if (const auto map = Begin(state->ingest.atlas)) {
+      if (const auto map = Begin(state->ingest)) {
         Optimize(state->ingest.atlas, *map, stop);
         finished_();
         continue;
@@ -69,9 +69,19 @@ void OptimizationThread::Run(const std::stop_token& stop) {
   }
 }
 
-std::optional<MapId> OptimizationThread::Begin(const Atlas& atlas) {
+void OptimizationThread::TakeIn(const IngestState& state) {
+  for (const auto& [id, session] : state.sessions) {
+    if (session.closed_maps() == 0) continue;
+    const std::uint64_t seen = std::exchange(closed_maps_[id], session.closed_maps());
+    if (seen != session.closed_maps()) agenda_.SessionClosedMap(state.atlas, id);
+  }
+  agenda_.Update(state.atlas);
+}
+
+std::optional<MapId> OptimizationThread::Begin(const IngestState& state) {
+  const Atlas& atlas = state.atlas;
   MutexLock lock(mutex_);
-  agenda_.Update(atlas);
+  TakeIn(state);
   const auto map = agenda_.Start(atlas);
   if (map) running_ = std::stop_source();
   const std::size_t waiting = agenda_.waiting();

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <set>
 #include <stop_token>
@@ -57,7 +59,9 @@ class OptimizationThread {
 
  private:
   void Run(const std::stop_token& stop);
-  std::optional<MapId> Begin(const Atlas& atlas) EXCLUDES(mutex_);
+  std::optional<MapId> Begin(const IngestState& state) EXCLUDES(mutex_);
+  // What agents closed since the last time.
+  void TakeIn(const IngestState& state) REQUIRES(mutex_);
   void Optimize(const Atlas& snapshot, MapId map, const std::stop_token& stop);
   void Propose(const OptimizedMap& optimized);
   bool Economize(const IngestState& snapshot, const std::stop_token& stop) EXCLUDES(mutex_);
@@ -76,6 +80,7 @@ class OptimizationThread {
   OptimizationAgenda agenda_ GUARDED_BY(mutex_);
   std::stop_source running_ GUARDED_BY(mutex_);
   bool economizing_ GUARDED_BY(mutex_) = false;
+  std::map<SessionId, std::uint64_t> closed_maps_ GUARDED_BY(mutex_);  // seen, of each session
   EconomyAgenda economy_agenda_;      // of the thread
   std::size_t tidied_keyframes_ = 0;  // there were when it was tidied; of the thread
   std::jthread thread_;

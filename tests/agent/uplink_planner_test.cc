@@ -232,6 +232,29 @@ TEST(UplinkPlanner, ClosingAMapSendsAllOfItFirst) {
   EXPECT_TRUE(planner.PlanClosing(line.atlas).empty());
 }
 
+TEST(UplinkPlanner, OnesMapThatBecamePartOfAnothersIsClosedOnceAtTheEnd) {
+  constexpr SessionId kOther = 99;
+  Line line;
+  UplinkPlanner planner({}, kSession);
+  line.Add();
+  line.Plan(planner, PlanKind::kFlush);
+  EXPECT_TRUE(planner.PlanFarewell().empty()) << "nobody absorbed it";
+  Atlas merged = planner.mirror();
+  AddKeyframe root;
+  root.id = {kOther, 1};
+  root.map = {kOther, 1};
+  root.data = line.atlas.FindKeyframe({kSession, 1})->data;
+  ASSERT_TRUE(Apply(root, merged));
+  ASSERT_TRUE(Apply(MergeMaps{root.map, {kSession, 1}, {}, {kSession, 1}, root.id}, merged));
+  planner.AdoptMirror(merged);
+  const std::vector<MapEdit> farewell = planner.PlanFarewell();
+  ASSERT_EQ(farewell.size(), 1U);
+  EXPECT_EQ(std::get<CloseMap>(farewell.front()).map, (MapId{kSession, 1}));
+  EXPECT_TRUE(Apply(farewell.front(), merged)) << "the server takes it";
+  EXPECT_FALSE(merged.FindMap({kOther, 1})->closed) << "the other goes on";
+  EXPECT_TRUE(planner.PlanFarewell().empty());
+}
+
 TEST(UplinkPlanner, NumbersOnABoundaryOfTheDigestsGridAreMovedOnBothSidesAlike) {
   Line line;
   UplinkPlanner planner({}, kSession);

@@ -36,6 +36,15 @@ TEST(IngestRound, AcceptedEnvelopesAreJournaledAcknowledgedAndAppliedInOrder) {
   EXPECT_TRUE(CheckConsistency(ingest.state().atlas).empty());
 }
 
+TEST(IngestRound, CountsTheMapsThatASessionsAgentClosed) {
+  Ingest ingest;
+  Flight flight(kAnna);
+  ingest.Take({flight.Next()});
+  EXPECT_EQ(ingest.state().sessions.at(kAnna).closed_maps(), 0u);
+  ingest.Take({flight.NextWith({CloseMap{M(1)}}), flight.NextWith({CloseMap{M(7)}})});
+  EXPECT_EQ(ingest.state().sessions.at(kAnna).closed_maps(), 1u) << "one that is not there is rejected";
+}
+
 TEST(IngestRound, LeavesTheStateItStartedFromUnchanged) {
   Flight flight(kAnna);
   const IngestState before;

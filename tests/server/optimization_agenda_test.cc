@@ -81,6 +81,30 @@ TEST(OptimizationAgenda, AWeldedMapThatGrewIsOptimisedAgain) {
   EXPECT_EQ(agenda.Start(world.atlas), M(1));
 }
 
+TEST(OptimizationAgenda, AWeldedMapIsOptimisedAgainWhenASessionInItClosedItsOwnAndItGrewAtAll) {
+  SmallWorld world = TwoMaps();
+  world.Do(MergeMaps{M(1), M(1, kBert), {}, K(1, kBert), K(1)});
+  world.Do(AddLoopEdge{K(3), K(1), {}});
+  OptimizationAgenda agenda({});
+  agenda.Update(world.atlas);
+  ASSERT_EQ(agenda.Start(world.atlas), M(1));
+  agenda.SessionClosedMap(world.atlas, kBert);
+  agenda.Finish(true);
+  EXPECT_FALSE(agenda.Start(world.atlas)) << "all of it is in the one that ran";
+  world.Child(K(3, kBert), K(2, kBert), M(1, kBert));
+  agenda.Update(world.atlas);
+  EXPECT_FALSE(agenda.Start(world.atlas)) << "too little for one by itself";
+  agenda.SessionClosedMap(world.atlas, kBert);
+  EXPECT_EQ(agenda.Start(world.atlas), M(1));
+}
+
+TEST(OptimizationAgenda, ASessionThatClosesAMapNobodySawFromElsewhereChangesNothing) {
+  const SmallWorld world = TwoMaps();
+  OptimizationAgenda agenda({});
+  agenda.SessionClosedMap(world.atlas, kBert);
+  EXPECT_FALSE(agenda.Start(world.atlas));
+}
+
 TEST(OptimizationAgenda, OneThatWasCancelledAgainAndAgainIsLetFinish) {
   const SmallWorld world = TwoMaps();
   OptimizationAgenda agenda({.patience = 2});
