@@ -47,7 +47,10 @@ void WeldingDraft::Move(const std::vector<std::pair<KeyframeId, Rigid3d>>& camer
     moved_keyframes_.try_emplace(id, 1.0);
   }
   for (const auto& [id, point] : point_in_map) moved_landmarks_.Insert(id);
-  (void)Apply(MoveKeyframesTo(welded_, camera_from_map), welded_);
+  MoveKeyframes moves = MoveKeyframesTo(welded_, camera_from_map);
+  // Moves of an agent would leave those alone that a correction has placed before.
+  moves.correction = kProvisionalCorrection;
+  (void)Apply(moves, welded_);
   (void)Apply(MoveLandmarksTo(welded_, point_in_map), welded_);
 }
 

@@ -6,6 +6,8 @@
 
 #include "common/map/consistency.h"
 #include "common/map/covisibility.h"
+#include "common/map/map_edit.h"
+#include "common/map/spanning_tree.h"
 #include "server/fusion/seam.h"
 #include "server/fusion/welding_window.h"
 #include "tests/server/fusion_world.h"
@@ -75,6 +77,23 @@ TEST_P(Loop, TheMovedEndComesToLieOnTheKeptOne) {
   EXPECT_LT(WorstError(world, atlas, {match.candidate, match.query}), 0.02);
   EXPECT_EQ(CountDuplicatesAcross(world, atlas, window), 0U);
   EXPECT_EQ(CountMixed(world, atlas), 0U);
+}
+
+TEST_P(Loop, WhatAnEarlierCorrectionPlacedIsMovedLikeAnythingElse) {
+  const SurveyedWorld world = Round(GetParam(), StereoDrift());
+  const PlaceMatch match = ClosingMatch(world);
+  Atlas placed = world.atlas;
+  std::vector<std::pair<KeyframeId, Rigid3d>> poses;
+  for (const KeyframeId id : world.KeyframesOf(kOlder)) {
+    poses.emplace_back(id, placed.FindKeyframe(id)->camera_from_map);
+  }
+  MoveKeyframes said_anew = MoveKeyframesTo(placed, poses);
+  said_anew.correction = 7;
+  ASSERT_TRUE(Apply(said_anew, placed).has_value());
+  const WeldingOutcome plan = PlanWelding(placed, match, SmallWindow(), {});
+  ASSERT_TRUE(plan.has_value()) << Describe(plan.error());
+  Carry(*plan, placed);
+  EXPECT_LT(WorstError(world, placed, {match.candidate, match.query}), 0.02);
 }
 
 TEST_P(Loop, TheEdgeSaysWhatTheCorrectedPosesSay) {
