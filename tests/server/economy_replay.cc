@@ -164,9 +164,10 @@ class Replay {
           return plan->is_merge() ? OptimizationEdits({{}, {spread->correction}, {}}, now)
                                   : WeldingEdits(*plan, spread->correction, now);
         });
-        std::printf("  plan %3.0f ms, edits of a merge %3.0f ms, pose graph %3.0f ms, edits %3.0f ms: %s\n",
-                    1e3 * (planned - begin), 1e3 * (carried - planned), 1e3 * (spread_out - carried),
-                    1e3 * (CpuSeconds() - spread_out), Describe(*plan).c_str());
+        std::printf(
+            "  plan %3.0f ms, edits of a merge %3.0f ms, pose graph %3.0f ms (%.2g to %.2g), edits %3.0f ms: %s\n",
+            1e3 * (planned - begin), 1e3 * (carried - planned), 1e3 * (spread_out - carried), spread->initial_cost,
+            spread->final_cost, 1e3 * (CpuSeconds() - spread_out), Describe(*plan).c_str());
       }
     }
     for (SessionPart& part : stored_.parts) part.map = atlas().Resolve(part.map);
