@@ -67,14 +67,14 @@ nlohmann::json ReportOf(const AgentRun& run) {
                     {"p95_ms", statistics.p95_ms}};
   }
   nlohmann::json memory = nlohmann::json::array();
-  for (const MemorySample& sample : run.memory) memory.push_back({sample.seconds, sample.resident_mib});
+  for (const MemorySample& sample : run.flight.memory) memory.push_back({sample.seconds, sample.resident_mib});
   return {
       {"version", kVersion},
       {"session", ToString(run.session)},
       {"name", run.name},
       {"frames", run.source.frames},
-      {"tracked", run.tracked},
-      {"lost", run.lost},
+      {"tracked", run.flight.tracked},
+      {"lost", run.flight.lost},
       {"dropped", run.source.dropped},
       {"skipped", run.source.skipped},
       {"missing", run.source.missing},
@@ -105,7 +105,7 @@ nlohmann::json ReportOf(const AgentRun& run) {
 
 std::string SummaryOf(const AgentRun& run) {
   std::string text = fmt::format("{}: {} of {} frames tracked in {} map{}, {} dropped, {} skipped\n", run.name,
-                                 run.tracked, run.source.frames, run.atlas->Maps().size(),
+                                 run.flight.tracked, run.source.frames, run.atlas->Maps().size(),
                                  run.atlas->Maps().size() == 1 ? "" : "s", run.source.dropped, run.source.skipped);
   text += fmt::format("  {} keyframes, {} landmarks; {:.1f} s wall, {:.1f} s CPU, {:.0f} MiB; {:.1f} MB sent{}\n",
                       run.atlas->keyframe_count(), run.atlas->landmark_count(), run.wall_seconds, run.cpu_seconds,
@@ -128,7 +128,7 @@ Status WriteOutputs(const AgentOptions& options, const AgentRun& run) {
     }
   }
   if (!options.live_trajectory.empty()) {
-    if (auto status = WriteTrajectory(options.live_trajectory, run.live_trajectory); !status) return status;
+    if (auto status = WriteTrajectory(options.live_trajectory, run.flight.live_trajectory); !status) return status;
   }
   if (!options.report.empty()) return WriteReport(options.report, run);
   return {};

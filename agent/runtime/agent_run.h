@@ -1,43 +1,31 @@
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
-#include <vector>
 
 #include "agent/runtime/agent_options.h"
+#include "agent/runtime/flight_record.h"
 #include "agent/runtime/stage_clock.h"
 #include "common/base/result.h"
-#include "common/geometry/stamped_pose.h"
 #include "common/map/atlas.h"
 
 namespace pangaea {
-
-// What the process held in memory at some time of the flight.
-struct MemorySample {
-  double seconds = 0.0;  // since the first frame, by the stamps of the images
-  double resident_mib = 0.0;
-};
 
 // Everything a finished run can tell.
 struct AgentRun {
   SessionId session = 0;
   std::string name;
   SourceCounters source;
-  std::size_t tracked = 0;  // frames whose pose was refined in a map
-  std::size_t lost = 0;     // frames that were processed and not tracked
+  FlightRecord flight;
   std::shared_ptr<const Atlas> atlas;
-  std::vector<StampedPose> live_trajectory;  // map_from_body as known at its frame
   Rigid3d body_from_camera;
   std::map<std::string, StageStatistics> stages;
   double wall_seconds = 0.0;
   double cpu_seconds = 0.0;  // of the whole process, all threads
   double peak_rss_mib = 0.0;
-  std::vector<MemorySample> memory;  // every half minute
   UplinkCounters uplink;
   bool acknowledged = false;  // the server confirmed that it holds everything
   // Why it did not, where there should have been a server: kUnavailable (the spill file has the rest), kRefused.

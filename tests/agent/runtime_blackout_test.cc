@@ -72,12 +72,12 @@ TEST_F(AgentBlackoutTest, EveryFrameThatShowsSomethingIsTrackedInOneMapAndNoDark
   const auto run = Run();
   ASSERT_TRUE(run) << run.error().message;
   std::vector<std::int64_t> tracked;
-  for (const StampedPose& pose : run->live_trajectory) tracked.push_back(pose.stamp_ns);
+  for (const StampedPose& pose : run->flight.live_trajectory) tracked.push_back(pose.stamp_ns);
   EXPECT_EQ(tracked, BrightFrames());
   EXPECT_EQ(run->atlas->Maps().size(), 1U);
 
   EvaluatedTrajectory evaluated;
-  evaluated.estimate = run->live_trajectory;
+  evaluated.estimate = run->flight.live_trajectory;
   for (const TruthSample& sample : recording_->GroundTruth(0)) {
     evaluated.truth.push_back({sample.stamp_ns, sample.world_from_body});
   }

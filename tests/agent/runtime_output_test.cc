@@ -36,12 +36,12 @@ AgentRun RunWithTwoMaps() {
   run.session = kSession;
   run.name = "a1";
   run.source = {10, 2, 1};
-  run.tracked = 6;
-  run.lost = 1;
+  run.flight.tracked = 6;
+  run.flight.lost = 1;
   run.atlas = std::make_shared<const Atlas>(std::move(atlas));
   // The camera sits 1 m ahead of the body.
   run.body_from_camera = Rigid3d({1, 0, 0, 0}, {1, 0, 0});
-  run.live_trajectory = {{stamp_ns, Rigid3d()}};
+  run.flight.live_trajectory = {{stamp_ns, Rigid3d()}};
   run.stages["tracking"] = {7, 1.0, 2.0, 3.0};
   return run;
 }

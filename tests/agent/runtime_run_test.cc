@@ -58,10 +58,10 @@ TEST_F(AgentRunTest, EveryFrameIsTrackedInOneMap) {
   const auto run = RunAgent(Options(), {});
   ASSERT_TRUE(run) << run.error().message;
   EXPECT_EQ(run->source.frames, std::size_t{kFrames});
-  EXPECT_EQ(run->tracked, std::size_t{kFrames});
-  EXPECT_EQ(run->lost, 0U);
+  EXPECT_EQ(run->flight.tracked, std::size_t{kFrames});
+  EXPECT_EQ(run->flight.lost, 0U);
   EXPECT_EQ(run->source.dropped, 0U);
-  EXPECT_EQ(run->live_trajectory.size(), std::size_t{kFrames});
+  EXPECT_EQ(run->flight.live_trajectory.size(), std::size_t{kFrames});
   EXPECT_EQ(run->atlas->Maps().size(), 1U);
   EXPECT_GT(run->atlas->landmark_count(), 100U);
   EXPECT_FALSE(run->unconfirmed) << "nobody was to confirm anything";
@@ -93,9 +93,9 @@ TEST_F(AgentRunTest, WithOneCameraTheFlightIsTrackedInOneMapFromTheFirstFrameOn)
   const auto run = RunAgent(options, {});
   ASSERT_TRUE(run) << run.error().message;
   // Those before the two keyframes that the map began with get their poses later.
-  EXPECT_EQ(run->tracked, std::size_t{kFrames});
-  EXPECT_EQ(run->lost, 0U);
-  EXPECT_LT(run->live_trajectory.size(), std::size_t{kFrames});
+  EXPECT_EQ(run->flight.tracked, std::size_t{kFrames});
+  EXPECT_EQ(run->flight.lost, 0U);
+  EXPECT_LT(run->flight.live_trajectory.size(), std::size_t{kFrames});
   EXPECT_EQ(run->atlas->Maps().size(), 1U);
   EXPECT_GT(run->atlas->landmark_count(), 100U);
   const std::string first = RunInto("mono_1.tum", options);
@@ -121,16 +121,16 @@ TEST_F(AgentRunTest, EachFrameIsToldOnLcmAndThePosesAreTheLiveOnes) {
   ASSERT_TRUE(run) << run.error().message;
   auto messages = MessagesOf(options.lcm_output, options.lcm);
   const auto& poses = messages[options.lcm.pose];
-  ASSERT_EQ(poses.size(), run->live_trajectory.size());
+  ASSERT_EQ(poses.size(), run->flight.live_trajectory.size());
   EXPECT_EQ(messages[options.lcm.tracking_state].size(), std::size_t{kFrames + 1}) << "and that it has finished";
   std::optional<Rigid3d> previous;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const auto pose = DecodeMessage<pangaea_lcm::pose_t>(poses[i]);
     ASSERT_TRUE(pose);
-    EXPECT_EQ(pose->stamp_ns, run->live_trajectory[i].stamp_ns);
+    EXPECT_EQ(pose->stamp_ns, run->flight.live_trajectory[i].stamp_ns);
     const Rigid3d odom_from_body = *RigidOf(pose->odom_from_body);
     const Rigid3d map_from_body = *RigidOf(pose->map_from_odom) * odom_from_body;
-    EXPECT_LT((map_from_body.Inverse() * run->live_trajectory[i].world_from_body).Log().norm(), 1e-9);
+    EXPECT_LT((map_from_body.Inverse() * run->flight.live_trajectory[i].world_from_body).Log().norm(), 1e-9);
     // At one metre a second and 20 Hz.
     EXPECT_LT((odom_from_body.translation() - previous.value_or(odom_from_body).translation()).norm(), 0.2);
     EXPECT_FALSE(pose->discontinuity);
@@ -149,7 +149,7 @@ TEST_F(AgentRunTest, AStopEndsTheRunInOrder) {
   stop.request_stop();
   const auto run = RunAgent(Options(), stop.get_token());
   ASSERT_TRUE(run) << run.error().message;
-  EXPECT_LT(run->tracked, std::size_t{kFrames});
+  EXPECT_LT(run->flight.tracked, std::size_t{kFrames});
 }
 
 TEST_F(AgentRunTest, ADatasetThatIsNotThereIsAnErrorThatNamesIt) {

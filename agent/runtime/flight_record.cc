@@ -1,0 +1,56 @@
+#include "agent/runtime/flight_record.h"
+
+#include <spdlog/spdlog.h>
+
+#include "agent/runtime/process_memory.h"
+
+namespace pangaea {
+
+bool BeginsMap(const TrackingResult& result) {
+  return result.opening != nullptr || (result.keyframe && !result.keyframe->reference.valid());
+}
+
+void FlightRecorder::Take(std::int64_t stamp_ns, const TrackingResult& result, const Atlas& atlas) {
+  Count(stamp_ns, result);
+  SayWhatChanged(result);
+  SampleMemory(stamp_ns);
+  SayProgress(atlas);
+}
+
+void FlightRecorder::Count(std::int64_t stamp_ns, const TrackingResult& result) {
+  ++(result.tracked ? record_.tracked : record_.lost);
+  // Known now, not then.
+  record_.tracked += result.earlier_frames.size();
+  record_.lost -= result.earlier_frames.size();
+  if (!result.tracked) return;
+  record_.live_trajectory.push_back({stamp_ns, result.camera_from_map.Inverse() * camera_from_body_});
+}
+
+void FlightRecorder::SayWhatChanged(const TrackingResult& result) {
+  if (result.state == TrackingState::kLost && state_ != TrackingState::kLost) spdlog::warn("lost the camera");
+  if (result.state == TrackingState::kTracking && state_ == TrackingState::kStarting) {
+    spdlog::info("started the first map");
+  }
+  if (result.state == TrackingState::kTracking && state_ == TrackingState::kLost) {
+    spdlog::info(BeginsMap(result) ? "started a new map" : "found the camera again");
+  }
+  state_ = result.state;
+}
+
+void FlightRecorder::SampleMemory(std::int64_t stamp_ns) {
+  constexpr double kBetweenSamples = 30.0;
+  if (!first_stamp_ns_) first_stamp_ns_ = stamp_ns;
+  const double seconds = 1e-9 * static_cast<double>(stamp_ns - *first_stamp_ns_);
+  if (seconds < kBetweenSamples * static_cast<double>(record_.memory.size())) return;
+  record_.memory.push_back({seconds, ResidentMib()});
+}
+
+void FlightRecorder::SayProgress(const Atlas& atlas) {
+  if (Clock::now() - latest_progress_ < std::chrono::seconds(10)) return;
+  latest_progress_ = Clock::now();
+  const std::string total = frame_count_ ? " of " + std::to_string(*frame_count_) : "";
+  spdlog::info("{}: frame {}{}, {} tracked, {} keyframes, {} landmarks", name_, record_.frames(), total,
+               record_.tracked, atlas.keyframe_count(), atlas.landmark_count());
+}
+
+}  // namespace pangaea

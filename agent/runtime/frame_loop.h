@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+
+#include "agent/runtime/agent_options.h"
+#include "agent/runtime/flight_record.h"
+#include "agent/runtime/frame_source.h"
+#include "agent/runtime/mapping_worker.h"
+#include "agent/runtime/stage_clock.h"
+#include "agent/runtime/state_teller.h"
+#include "agent/runtime/uplink_thread.h"
+#include "agent/tracking/place_inquiry.h"
+#include "agent/tracking/tracker.h"
+#include "common/sensor/rectifier.h"
+
+namespace pangaea {
+
+// The part of a run that frames flow through, one by one, on the thread that tracks.
+class FrameLoop {
+ public:
+  // All of it outlives the loop. `uplink` is null without a server.
+  FrameLoop(const AgentOptions& options, const Rectifier& rectifier, Tracker& tracker, MappingWorker& worker,
+            UplinkThread* uplink, FlightRecorder& recorder, StateTeller& teller)
+      : options_(options),
+        rectifier_(rectifier),
+        tracker_(tracker),
+        worker_(worker),
+        uplink_(uplink),
+        recorder_(recorder),
+        teller_(teller) {}
+
+  // Until the source has no more. Mapping runs on a thread of its own meanwhile, unless options.deterministic.
+  void Run(FrameSource& source);
+
+  const StageClock& stages() const { return stages_; }
+
+ private:
+  void MapBetweenFrames(MappingInput input);
+  TrackingResult TakeFrame(const SourceFrame& frame);
+  TrackingResult Track(const SourceFrame& frame, const std::shared_ptr<const Atlas>& atlas);
+  cv::Mat ReadRight(const SourceFrame& frame);
+  void TakeAnswer();
+  void AskWhere(const TrackingResult& result);
+
+  const AgentOptions& options_;
+  const Rectifier& rectifier_;
+  Tracker& tracker_;
+  MappingWorker& worker_;
+  UplinkThread* uplink_;
+  FlightRecorder& recorder_;
+  StateTeller& teller_;
+  PlaceInquiry inquiry_;
+  StageClock stages_;
+  int mapped_frames_ = 0;  // between frames, on this thread
+  std::size_t unreadable_ = 0;
+};
+
+}  // namespace pangaea
