@@ -19,6 +19,7 @@
 #include "common/evaluation/absolute_error.h"
 #include "common/map/map_edit.h"
 #include "common/place/vocabulary_file.h"
+#include "server/ingest/agent_edit.h"
 #include "server/place_recognition/place_recognizer.h"
 #include "server/storage/recovery.h"
 
@@ -89,8 +90,9 @@ class Replay {
   Status Take(const JournalEntry& entry) {
     const auto edits = DecodeEdits(entry.envelope.edits);
     if (!edits) return tl::make_unexpected(edits.error());
+    const auto apply = entry.envelope.session == 0 ? &Apply : &ApplyAgentEdit;
     for (const MapEdit& edit : *edits) {
-      if (auto status = Apply(edit, atlas_); !status) return status;
+      if (auto status = apply(edit, atlas_); !status) return status;
       if (const auto* add = std::get_if<AddKeyframe>(&edit)) waiting_.push_back(add->id);
       if (const auto* remove = std::get_if<RemoveKeyframe>(&edit)) recognizer_.Remove(remove->id);
     }
