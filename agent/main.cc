@@ -16,7 +16,7 @@
 
 #include "agent/runtime/agent_output.h"
 #include "agent/runtime/agent_run.h"
-#include "agent/runtime/process_memory.h"
+#include "common/base/process_memory.h"
 #include "common/base/version.h"
 
 namespace pangaea {

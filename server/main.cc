@@ -9,6 +9,7 @@
 #include <string>
 
 #include "common/base/mutex.h"
+#include "common/base/process_memory.h"
 #include "server/runtime/server.h"
 
 #ifndef PANGAEA_VERSION
@@ -126,4 +127,7 @@ int Main(int argc, char** argv) {
 }  // namespace
 }  // namespace pangaea
 
-int main(int argc, char** argv) { return pangaea::Main(argc, argv); }
+int main(int argc, char** argv) {
+  pangaea::ShareHeaps();
+  return pangaea::Main(argc, argv);
+}

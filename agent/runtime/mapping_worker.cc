@@ -3,8 +3,8 @@
 #include <chrono>
 #include <utility>
 
-#include "agent/runtime/process_memory.h"
 #include "common/base/check.h"
+#include "common/base/process_memory.h"
 
 namespace pangaea {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "agent/runtime/process_memory.h"
+#include "common/base/process_memory.h"
 
 namespace pangaea {
 namespace {

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "common/base/process_memory.h"
 #include "server/runtime/stopwatch.h"
 #include "server/runtime/thread_priority.h"
 
@@ -54,18 +55,25 @@ void OptimizationThread::Run(const std::stop_token& stop) {
   StandBack(kNice);
   economy_agenda_.Recover(service_.State()->ingest.atlas);
   while (bell_.Wait(stop)) {
+    bool worked = false;
     while (!stop.stop_requested()) {
       const auto state = service_.State();
       if (const auto map = Begin(state->ingest)) {
         Optimize(state->ingest.atlas, *map, stop);
         finished_();
+        worked = true;
         continue;
       }
-      if (Economize(state->ingest, stop)) continue;
+      if (Economize(state->ingest, stop)) {
+        worked = true;
+        continue;
+      }
       Tidy(state->ingest, stop);
       ledger_.Write([&](WorkReport& report) { report.planned_version = state->ingest.atlas.version(); });
       break;
     }
+    // Adjusting a whole map takes several times its size for a while.
+    if (worked) ReturnFreeMemory();
   }
 }
 

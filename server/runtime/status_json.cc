@@ -1,11 +1,9 @@
 #include "server/runtime/status_json.h"
 
-#include <unistd.h>
-
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "common/base/process_memory.h"
 #include "common/map/digest.h"
 #include "common/wire/envelope.h"
 #include "server/storage/schema.h"
@@ -173,20 +171,11 @@ std::string StatusJson(const ServiceState& state, const ServerFacts& facts, Dige
               {"timings", {{"acknowledge", TimingJson(state.acknowledge_ms)}, {"commit", TimingJson(state.commit_ms)}}},
               {"correction", state.ingest.correction},
               {"refused_messages", state.ingest.refused},
-              {"memory_mib", ResidentMebibytes()},
+              {"memory_mib", ResidentMib()},
               {"versions", {{"server", PANGAEA_VERSION}, {"wire", kWireVersion}, {"store_schema", kStoreSchema}}}};
   if (facts.work) AddWork(*facts.work, state.ingest.atlas.version(), status);
   // Names come from the network: whatever is not UTF-8 is replaced, never thrown about.
   return status.dump(-1, ' ', false, json::error_handler_t::replace);
-}
-
-double ResidentMebibytes() {
-  std::ifstream statm("/proc/self/statm");
-  double total_pages = 0.0;
-  double resident_pages = 0.0;
-  if (!(statm >> total_pages >> resident_pages)) return 0.0;
-  constexpr double kMebibyte = 1024.0 * 1024.0;
-  return resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / kMebibyte;
 }
 
 }  // namespace pangaea

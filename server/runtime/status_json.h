@@ -49,7 +49,4 @@ struct ServerFacts {
 // gone carry their digest.
 std::string StatusJson(const ServiceState& state, const ServerFacts& facts, DigestCache& digests);
 
-// Resident memory of this process; 0 where the system does not say.
-double ResidentMebibytes();
-
 }  // namespace pangaea

@@ -1,4 +1,4 @@
-#include "agent/runtime/process_memory.h"
+#include "common/base/process_memory.h"
 
 #include <unistd.h>
 
