@@ -1,45 +1,44 @@
 #include "server/atlas/welding_edits.h"
 
-#include <iterator>
 #include <utility>
-
-#include "common/map/map_edit.h"
+#include <variant>
 
 namespace pangaea {
 namespace {
 
-// Rebases a correction onto the draft, brings the draft up to it, and appends the edits. False where they do not fit.
-bool Append(const Correction& correction, Atlas& draft, std::vector<MapEdit>& edits) {
-  std::vector<MapEdit> moves = Rebase(correction, draft);
-  for (const MapEdit& move : moves) {
-    if (!Apply(move, draft)) return false;
+// Those that fit; of a plan nothing without its merge, on which all the rest of it rests. False where none does.
+bool TryAll(const std::vector<MapEdit>& edits, ServerDraft& draft) {
+  bool any = false;
+  for (const MapEdit& edit : edits) {
+    const bool fits = draft.Try(edit).has_value();
+    if (!fits && std::holds_alternative<MergeMaps>(edit)) break;
+    any = any || fits;
   }
-  std::move(moves.begin(), moves.end(), std::back_inserter(edits));
-  return true;
+  return any;
+}
+
+Status Carry(const Correction& correction, ServerDraft& draft) {
+  if (Rebase(correction, draft.atlas(), [&draft](MapEdit edit) { return draft.Try(std::move(edit)); })) return {};
+  return Fail(ErrorCode::kRefused, "the correction does not fit the atlas");
 }
 
 }  // namespace
 
-Result<std::vector<MapEdit>> WeldingEdits(const WeldingPlan& plan, const std::optional<Correction>& spread,
-                                          const Atlas& current) {
-  Atlas draft = current;
-  std::vector<MapEdit> edits = ApplyTolerantly(plan.edits, draft);
-  if (edits.empty()) return Fail(ErrorCode::kRefused, "what the plan joins is gone or was joined in another way");
-  bool fits = Append(plan.correction, draft, edits);
-  if (spread) fits = fits && Append(*spread, draft, edits);
-  if (!fits) return Fail(ErrorCode::kRefused, "the correction does not fit the atlas");
-  return edits;
+Status WeldingEdits(const WeldingPlan& plan, const std::optional<Correction>& spread, ServerDraft& draft) {
+  if (!TryAll(plan.edits, draft)) {
+    return Fail(ErrorCode::kRefused, "what the plan joins is gone or was joined in another way");
+  }
+  if (auto status = Carry(plan.correction, draft); !status) return status;
+  return spread ? Carry(*spread, draft) : Status();
 }
 
-Result<std::vector<MapEdit>> OptimizationEdits(const OptimizedMap& optimized, const Atlas& current) {
-  Atlas draft = current;
-  std::vector<MapEdit> edits = ApplyTolerantly(optimized.joins, draft);
+Status OptimizationEdits(const OptimizedMap& optimized, ServerDraft& draft) {
+  (void)TryAll(optimized.joins, draft);
   for (const Correction& correction : optimized.corrections) {
-    if (!Append(correction, draft, edits)) return Fail(ErrorCode::kRefused, "the correction does not fit the atlas");
+    if (auto status = Carry(correction, draft); !status) return status;
   }
-  std::vector<MapEdit> removed = ApplyTolerantly(optimized.removals, draft);
-  std::move(removed.begin(), removed.end(), std::back_inserter(edits));
-  return edits;
+  (void)TryAll(optimized.removals, draft);
+  return {};
 }
 
 }  // namespace pangaea

@@ -7,14 +7,14 @@
 #include "common/map/atlas.h"
 #include "common/map/edits/edits.h"
 #include "server/fusion/welding.h"
+#include "server/ingest/server_proposal.h"
 #include "server/optimization/correction.h"
 
 namespace pangaea {
 
 // What a plan makes of the atlas as it is now: its edits as far as they fit, its correction rebased, and where it is
 // given the correction that spreads it over the map, rebased on top. An error where the plan makes no sense any more.
-Result<std::vector<MapEdit>> WeldingEdits(const WeldingPlan& plan, const std::optional<Correction>& spread,
-                                          const Atlas& current);
+Status WeldingEdits(const WeldingPlan& plan, const std::optional<Correction>& spread, ServerDraft& draft);
 
 // What an optimisation of a map found, against the snapshot it worked on; in the order in which it is applied.
 struct OptimizedMap {
@@ -23,6 +23,6 @@ struct OptimizedMap {
   std::vector<MapEdit> removals;        // of what contradicts them
 };
 // The same of the atlas as it is now. An error where it does not fit.
-Result<std::vector<MapEdit>> OptimizationEdits(const OptimizedMap& optimized, const Atlas& current);
+Status OptimizationEdits(const OptimizedMap& optimized, ServerDraft& draft);
 
 }  // namespace pangaea

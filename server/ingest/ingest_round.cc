@@ -118,25 +118,22 @@ void IngestRound::Judge(Envelope envelope, IngestSession& session) {
 
 ProposalAnswer IngestRound::JudgeProposal(EditsProposed& proposal) {
   IngestState& state = outcome_.state;
-  auto edits = proposal.make(state.atlas);
-  if (!edits) return tl::make_unexpected(std::move(edits.error()));
-  Cause cause = std::move(proposal.cause);
-  if (edits->empty()) return EditsTaken{std::move(cause), 0, 0};
   const std::uint64_t position = state.position + 1;
-  StampCorrections(position, *edits);
-  // What is applied is what recovery will read.
-  std::vector<std::byte> encoded = EncodeEdits(*edits);
-  const auto readable = DecodeEdits(encoded);
-  if (!readable) return tl::make_unexpected(readable.error());
-  auto atlas = ApplyWhole(*readable, state.atlas, &Apply);
-  if (!atlas) return Fail(ErrorCode::kRefused, std::move(atlas.error().text));
+  ServerDraft draft(state.atlas, position);
+  if (auto status = proposal.make(draft); !status) return tl::make_unexpected(std::move(status.error()));
+  Cause cause = std::move(proposal.cause);
+  const std::size_t count = draft.edits().size();
+  if (count == 0) return EditsTaken{std::move(cause), 0, 0};
+  // What was applied is what recovery will read: it is exact in this form.
+  std::vector<std::byte> encoded = EncodeEdits(draft.edits());
+  if (const auto readable = DecodeEdits(encoded); !readable) return tl::make_unexpected(readable.error());
   if (proposal.keep_before) outcome_.kept.push_back({state.atlas, state.position});
   if (cause.number == 0) cause.number = position;
-  state.atlas = std::move(*atlas);
+  state.atlas = draft.atlas();
   state.position = state.correction = position;
   outcome_.batch.server_edits.push_back({position, cause.Text(), std::move(encoded)});
   if (proposal.event) Report(proposal.event->kind, proposal.event->session, cause.Text() + ": " + proposal.event->text);
-  return EditsTaken{std::move(cause), position, edits->size()};
+  return EditsTaken{std::move(cause), position, count};
 }
 
 void IngestRound::Refuse(const Envelope& envelope, Rejection rejection, IngestSession& session) {

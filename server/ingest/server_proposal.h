@@ -23,12 +23,30 @@ struct Cause {
   std::string Text() const { return kind + " " + std::to_string(number); }
 };
 
+// The atlas as it becomes while edits of the server's own are made of it.
+class ServerDraft {
+ public:
+  // `position`: that of the edits in the journal, by which their moves and merges say which correction they are.
+  ServerDraft(const Atlas& atlas, std::uint64_t position) : atlas_(atlas), position_(position) {}
+
+  const Atlas& atlas() const { return atlas_; }
+  // Applies an edit. What does not fit changes nothing.
+  Status Try(MapEdit edit);
+  const std::vector<MapEdit>& edits() const { return edits_; }
+
+ private:
+  Atlas atlas_;
+  std::uint64_t position_;
+  std::vector<MapEdit> edits_;  // that were applied
+};
+
 // Edits of the server's own, as its background work wants them.
 struct EditsProposed {
   Cause cause;
-  // Makes the edits from the atlas as it is when they are judged: what they were planned on may be long past. Quick, as
-  // the ingest waits for it. An error: they make no sense any more. None: there is nothing to change.
-  std::function<Result<std::vector<MapEdit>>(const Atlas& current)> make;
+  // Makes the edits of the atlas as it is when they are judged: what they were planned on may be long past. Quick, as
+  // the ingest waits for it. An error: they make no sense any more, and nothing changes. None: there is nothing to
+  // change.
+  std::function<Status(ServerDraft& draft)> make;
   // For people, once the edits are durable; "<cause>: " is put before its text.
   std::optional<AtlasEvent> event = {};
   // The atlas as it was before is kept as a snapshot, from which the cause can be undone.

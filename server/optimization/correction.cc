@@ -23,8 +23,9 @@ bool IsSame(const Rigid3d& a, const Rigid3d& b) {
   return IsSame(a.translation(), b.translation()) && a.rotation().angularDistance(b.rotation()) <= kSame;
 }
 
-// Where a keyframe goes.
+// Where a keyframe goes, and from where.
 struct Destination {
+  Rigid3d before;  // camera_from_map, and so is what follows
   Rigid3d camera_from_map;
   double scale = 1.0;
   bool moves = false;
@@ -55,17 +56,15 @@ class Rebasing {
     return edit;
   }
 
-  // `moved` is the atlas after the edit of the keyframes.
-  MoveLandmarks Landmarks(const Atlas& moved) const {
+  // Once the edit of the keyframes has been applied.
+  MoveLandmarks Landmarks() const {
     std::vector<std::pair<LandmarkId, Eigen::Vector3d>> points;
     const std::unordered_set<KeyframeId> references = ReferencesOfCorrected();
     for (const KeyframeId id : tree_) {
-      if (!destinations_.at(id).moves && !references.contains(id)) continue;
-      for (const LandmarkId landmark : current_.FindKeyframe(id)->landmarks) {
-        if (landmark.valid()) MoveLandmark(*current_.FindLandmark(landmark), id, moved, points);
-      }
+      const Destination& destination = destinations_.at(id);
+      if (destination.moves || references.contains(id)) MoveLandmarksOf(id, destination, points);
     }
-    return MoveLandmarksTo(moved, points);
+    return MoveLandmarksTo(current_, points);
   }
 
  private:
@@ -79,12 +78,12 @@ class Rebasing {
   }
 
   Destination Choose(const Keyframe& keyframe) const {
-    const Destination stays{keyframe.camera_from_map};
+    const Destination stays{keyframe.camera_from_map, keyframe.camera_from_map};
     const auto corrected = corrected_keyframes_.find(keyframe.id);
     const Keyframe* before = InBase(keyframe.id);
     if (before != nullptr && corrected == corrected_keyframes_.end()) return stays;
     if (before != nullptr && !IsEdited(*before, keyframe)) {
-      return {corrected->second->camera_from_map, corrected->second->scale, true};
+      return {keyframe.camera_from_map, corrected->second->camera_from_map, corrected->second->scale, true};
     }
     const Keyframe* parent = current_.FindKeyframe(keyframe.parent);
     return parent == nullptr ? stays : Follow(*parent, keyframe);
@@ -92,9 +91,10 @@ class Rebasing {
 
   Destination Follow(const Keyframe& parent, const Keyframe& keyframe) const {
     const Destination& ahead = destinations_.at(parent.id);
-    if (!ahead.moves) return {keyframe.camera_from_map};
+    if (!ahead.moves) return {keyframe.camera_from_map, keyframe.camera_from_map};
     const Rigid3d camera_from_parent = keyframe.camera_from_map * parent.camera_from_map.Inverse();
-    return {ScaleLengths(camera_from_parent, ahead.scale) * ahead.camera_from_map, ahead.scale, true};
+    return {keyframe.camera_from_map, ScaleLengths(camera_from_parent, ahead.scale) * ahead.camera_from_map,
+            ahead.scale, true};
   }
 
   const Keyframe* InBase(KeyframeId id) const {
@@ -114,33 +114,36 @@ class Rebasing {
     return !IsSame(before.camera_from_map, now.camera_from_map);
   }
 
-  bool IsEdited(const Landmark& now) const {
+  bool IsEdited(const Landmark& now, const Rigid3d& reference_from_map) const {
     const Landmark* before = correction_.base.FindLandmark(now.id);
     const Keyframe* reference_before = InBase(now.reference);
     if (before == nullptr || reference_before == nullptr || correction_.base.MapOf(*before) != correction_.map) {
       return true;
     }
-    return !IsSame(reference_before->camera_from_map * before->point_in_map,
-                   current_.FindKeyframe(now.reference)->camera_from_map * now.point_in_map);
+    return !IsSame(reference_before->camera_from_map * before->point_in_map, reference_from_map * now.point_in_map);
   }
 
-  // By its reference alone, so that each is moved once.
-  void MoveLandmark(const Landmark& landmark, KeyframeId seen_from, const Atlas& moved,
-                    std::vector<std::pair<LandmarkId, Eigen::Vector3d>>& points) const {
-    if (landmark.reference != seen_from) return;
-    const auto corrected = corrected_landmarks_.find(landmark.id);
-    const Destination& reference = destinations_.at(seen_from);
-    if (corrected != corrected_landmarks_.end() && !IsEdited(landmark)) {
-      points.emplace_back(landmark.id, corrected->second->point_in_map);
-    } else if (reference.moves) {
-      const Eigen::Vector3d in_reference = current_.FindKeyframe(seen_from)->camera_from_map * landmark.point_in_map;
-      const Rigid3d map_from_camera = moved.FindKeyframe(seen_from)->camera_from_map.Inverse();
-      points.emplace_back(landmark.id, map_from_camera * (reference.scale * in_reference));
+  // Of which it is the reference, so that each is moved once.
+  void MoveLandmarksOf(KeyframeId id, const Destination& destination,
+                       std::vector<std::pair<LandmarkId, Eigen::Vector3d>>& points) const {
+    const Keyframe& moved = *current_.FindKeyframe(id);
+    const Rigid3d map_from_camera = moved.camera_from_map.Inverse();
+    for (const LandmarkId landmark_id : moved.landmarks) {
+      if (!landmark_id.valid()) continue;
+      const Landmark& landmark = *current_.FindLandmark(landmark_id);
+      if (landmark.reference != id) continue;
+      const auto corrected = corrected_landmarks_.find(landmark_id);
+      if (corrected != corrected_landmarks_.end() && !IsEdited(landmark, destination.before)) {
+        points.emplace_back(landmark_id, corrected->second->point_in_map);
+      } else if (destination.moves) {
+        const Eigen::Vector3d in_reference = destination.before * landmark.point_in_map;
+        points.emplace_back(landmark_id, map_from_camera * (destination.scale * in_reference));
+      }
     }
   }
 
   const Correction& correction_;
-  const Atlas& current_;
+  const Atlas& current_;                // changes between Keyframes() and Landmarks()
   const std::vector<KeyframeId> tree_;  // of the map as it is now, parents first
   std::unordered_map<KeyframeId, const CorrectedKeyframe*> corrected_keyframes_;
   std::unordered_map<LandmarkId, const CorrectedLandmark*> corrected_landmarks_;
@@ -149,18 +152,24 @@ class Rebasing {
 
 }  // namespace
 
-std::vector<MapEdit> Rebase(const Correction& correction, const Atlas& current) {
-  std::vector<MapEdit> edits;
-  const Rebasing rebasing(correction, current);
-  MoveKeyframes keyframes = rebasing.Keyframes();
-  Atlas moved = current;
-  if (!keyframes.keyframes.empty()) {
-    // A correction out of all bounds is none.
-    if (!Apply(keyframes, moved)) return {};
-    edits.emplace_back(std::move(keyframes));
+Status Rebase(const Correction& correction, const Atlas& atlas, const std::function<Status(MapEdit)>& apply) {
+  const Rebasing rebasing(correction, atlas);
+  if (MoveKeyframes keyframes = rebasing.Keyframes(); !keyframes.keyframes.empty()) {
+    if (auto status = apply(std::move(keyframes)); !status) return status;
   }
-  MoveLandmarks landmarks = rebasing.Landmarks(moved);
-  if (!landmarks.landmarks.empty()) edits.emplace_back(std::move(landmarks));
+  MoveLandmarks landmarks = rebasing.Landmarks();
+  return landmarks.landmarks.empty() ? Status() : apply(std::move(landmarks));
+}
+
+std::vector<MapEdit> Rebase(const Correction& correction, const Atlas& current) {
+  Atlas draft = current;
+  std::vector<MapEdit> edits;
+  // A correction out of all bounds is none.
+  (void)Rebase(correction, draft, [&](MapEdit edit) {
+    Status status = Apply(edit, draft);
+    if (status) edits.push_back(std::move(edit));
+    return status;
+  });
   return edits;
 }
 

@@ -2,8 +2,10 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
+#include "common/base/result.h"
 #include "common/geometry/rigid3.h"
 #include "common/map/atlas.h"
 #include "common/map/edits/edits.h"
@@ -45,5 +47,8 @@ inline constexpr std::uint64_t kProvisionalCorrection = 1;
 // correction would tear it off again. A map that took in others keeps its frame; what came in follows like anything
 // new.
 std::vector<MapEdit> Rebase(const Correction& correction, const Atlas& current);
+// The same to an atlas that takes each edit before the next one is made: `apply` makes it a part of `atlas`. Ends with
+// the first failure of `apply`, and returns it.
+Status Rebase(const Correction& correction, const Atlas& atlas, const std::function<Status(MapEdit)>& apply);
 
 }  // namespace pangaea

@@ -135,7 +135,7 @@ void OptimizationThread::Optimize(const Atlas& snapshot, MapId map, const std::s
 }
 
 void OptimizationThread::Propose(const OptimizedMap& optimized) {
-  const auto rebase = [&optimized](const Atlas& current) { return OptimizationEdits(optimized, current); };
+  const auto rebase = [&optimized](ServerDraft& draft) { return OptimizationEdits(optimized, draft); };
   const auto answer = service_.ProposeAndWait({{"optimization"}, rebase});
   if (!answer) spdlog::warn("the result of a global bundle adjustment was not taken: {}", answer.error().message);
 }
@@ -178,7 +178,7 @@ std::optional<MapEconomy> OptimizationThread::EconomizeOne(const Atlas& snapshot
 bool OptimizationThread::Take(const MapEconomy& economy) {
   EditsProposed proposal;
   proposal.cause.kind = "culling";
-  proposal.make = [&economy](const Atlas& current) { return OptimizationEdits(economy.changes, current); };
+  proposal.make = [&economy](ServerDraft& draft) { return OptimizationEdits(economy.changes, draft); };
   proposal.event = AtlasEvent{{}, AtlasEventKind::kCulled, Describe(economy), 0, 0};
   const auto answer = service_.ProposeAndWait(std::move(proposal));
   if (!answer) {
@@ -201,10 +201,7 @@ void OptimizationThread::Tidy(const IngestState& snapshot, const std::stop_token
   if (edits.empty()) return;
   EditsProposed proposal;
   proposal.cause.kind = "culling";
-  proposal.make = [&edits](const Atlas& current) {
-    Atlas draft = current;
-    return Result<std::vector<MapEdit>>(ApplyTolerantly(edits, draft));
-  };
+  proposal.make = [&edits](ServerDraft& draft) { return OptimizationEdits({{}, {}, edits}, draft); };
   proposal.event =
       AtlasEvent{{}, AtlasEventKind::kCulled, std::to_string(edits.size()) + " keyframes and landmarks", 0, 0};
   const auto answer = service_.ProposeAndWait(std::move(proposal));

@@ -104,7 +104,7 @@ void WeldingThread::WeldMerge(const PlaceMatch& match, const WeldingPlan& plan, 
   Welded(match, plan, answer->cause, watch);
   const auto spread = Spread(plan, stop);
   if (!spread) return;
-  const auto rebase = [&spread](const Atlas& current) { return OptimizationEdits({{}, {*spread}, {}}, current); };
+  const auto rebase = [&spread](ServerDraft& draft) { return OptimizationEdits({{}, {*spread}, {}}, draft); };
   const auto spread_out = service_.ProposeAndWait({answer->cause, rebase});
   if (!spread_out) spdlog::warn("{}: no pose graph: {}", answer->cause.Text(), spread_out.error().message);
 }
@@ -133,7 +133,7 @@ std::optional<Correction> WeldingThread::Spread(const WeldingPlan& plan, const s
 ProposalAnswer WeldingThread::Propose(const WeldingPlan& plan, const std::optional<Correction>& spread) {
   EditsProposed proposal;
   proposal.cause.kind = plan.is_merge() ? "merge" : "loop";
-  proposal.make = [&](const Atlas& current) { return WeldingEdits(plan, spread, current); };
+  proposal.make = [&](ServerDraft& draft) { return WeldingEdits(plan, spread, draft); };
   proposal.event = AtlasEvent{
       {}, plan.is_merge() ? AtlasEventKind::kMerge : AtlasEventKind::kLoop, Describe(plan), plan.moved.session, 0};
   proposal.keep_before = plan.is_merge();

@@ -158,7 +158,7 @@ TEST(AtlasService, AFullQueueMakesTheSenderWaitAndLosesNothing) {
 }
 
 EditsProposed Removing(LandmarkId landmark) {
-  return {{"tidying"}, [landmark](const Atlas&) { return std::vector<MapEdit>{RemoveLandmark{landmark}}; }};
+  return {{"tidying"}, [landmark](ServerDraft& draft) { return draft.Try(RemoveLandmark{landmark}); }};
 }
 
 TEST(AtlasService, EditsOfTheServersOwnAreDurableBeforeTheAnswerAndRecoveryReplaysThem) {

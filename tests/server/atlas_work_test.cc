@@ -47,7 +47,13 @@ std::vector<MapEdit> EditsThatMake(const Atlas& atlas) {
 // Two maps of one room, as agents would have sent them.
 void Fill(AtlasService& service) {
   const Atlas atlas = testing::TwoMaps(1).atlas;
-  const auto answer = service.ProposeAndWait({{"test"}, [&](const Atlas&) { return EditsThatMake(atlas); }});
+  const auto make = [&atlas](ServerDraft& draft) {
+    for (const MapEdit& edit : EditsThatMake(atlas)) {
+      if (auto status = draft.Try(edit); !status) return status;
+    }
+    return Status();
+  };
+  const auto answer = service.ProposeAndWait({{"test"}, make});
   ASSERT_TRUE(answer) << answer.error().message;
 }
 

@@ -95,7 +95,7 @@ class Replay {
   }
 
   // As the atlas thread does, but for the commit.
-  void Carry(std::function<Result<std::vector<MapEdit>>(const Atlas&)> make) {
+  void Carry(std::function<Status(ServerDraft&)> make) {
     IngestState before;
     before.atlas = std::move(atlas());
     before.position = position_;
@@ -112,8 +112,7 @@ class Replay {
     for (const MapId map : atlas().Maps()) {
       const auto optimized = OptimizeMap(atlas(), map, {}, {});
       if (!optimized) continue;
-      const auto edits = OptimizationEdits(optimized->optimized, atlas());
-      if (edits) Take(*edits);
+      Carry([&](ServerDraft& draft) { return OptimizationEdits(optimized->optimized, draft); });
       std::printf("  fused %zu, outliers %zu of %zu\n", optimized->fused, optimized->bundle.outliers,
                   optimized->bundle.observations);
     }
@@ -130,8 +129,7 @@ class Replay {
       OptimizedMap optimized;
       optimized.joins = fusion.edits;
       optimized.corrections.push_back(fusion.correction);
-      const auto edits = OptimizationEdits(optimized, atlas());
-      if (edits) Take(*edits);
+      Carry([&](ServerDraft& draft) { return OptimizationEdits(optimized, draft); });
     }
   }
 
@@ -155,14 +153,14 @@ class Replay {
           std::printf("  %5.0f ms %s\n", 1e3 * (planned - begin), Describe(plan.error()).c_str());
           continue;
         }
-        if (plan->is_merge()) Carry([&](const Atlas& now) { return WeldingEdits(*plan, std::nullopt, now); });
+        if (plan->is_merge()) Carry([&](ServerDraft& draft) { return WeldingEdits(*plan, std::nullopt, draft); });
         const double carried = CpuSeconds();
         auto spread =
             OptimizePoseGraph(plan->correction.base, plan->after_seam, plan->map, plan->held, PoseGraphOptions(), {});
         const double spread_out = CpuSeconds();
-        Carry([&](const Atlas& now) {
-          return plan->is_merge() ? OptimizationEdits({{}, {spread->correction}, {}}, now)
-                                  : WeldingEdits(*plan, spread->correction, now);
+        Carry([&](ServerDraft& draft) {
+          return plan->is_merge() ? OptimizationEdits({{}, {spread->correction}, {}}, draft)
+                                  : WeldingEdits(*plan, spread->correction, draft);
         });
         std::printf(
             "  plan %3.0f ms, edits of a merge %3.0f ms, pose graph %3.0f ms (%.2g to %.2g), edits %3.0f ms: %s\n",
@@ -177,8 +175,7 @@ class Replay {
   void Economize() {
     for (const MapId map : atlas().Maps()) {
       const auto economy = EconomizeMap(atlas(), map, {}, {}, {}, {});
-      const auto edits = OptimizationEdits(economy->changes, atlas());
-      if (edits) Take(*edits);
+      Carry([&](ServerDraft& draft) { return OptimizationEdits(economy->changes, draft); });
       std::printf("  %s\n", Describe(*economy).c_str());
     }
   }

@@ -10,7 +10,12 @@ namespace pangaea {
 namespace {
 
 EditsProposed Proposing(std::vector<MapEdit> edits) {
-  return {{"tidying"}, [edits = std::move(edits)](const Atlas&) { return edits; }};
+  return {{"tidying"}, [edits = std::move(edits)](ServerDraft& draft) {
+            for (const MapEdit& edit : edits) {
+              if (!draft.Try(edit)) return Status(Fail(ErrorCode::kRefused, "it does not fit"));
+            }
+            return Status();
+          }};
 }
 
 TEST(IngestRound, EditsOfTheServersOwnStandInTheJournalAmongTheEnvelopesWithTheirCause) {
@@ -36,9 +41,9 @@ TEST(IngestRound, EditsOfTheServersOwnAreMadeFromTheAtlasAsItIsThen) {
   IngestRound round(ingest.state(), {}, 1234);
   round.Take(EnvelopeArrived{flight.Next(), kAgent});
   std::size_t keyframes = 0;
-  const auto look = [&keyframes](const Atlas& atlas) {
-    keyframes = atlas.keyframe_count();
-    return std::vector<MapEdit>();
+  const auto look = [&keyframes](ServerDraft& draft) {
+    keyframes = draft.atlas().keyframe_count();
+    return Status();
   };
   round.Take(EditsProposed{{"merge"}, look});
   const IngestOutcome outcome = std::move(round).Finish();

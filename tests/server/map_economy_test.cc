@@ -35,9 +35,9 @@ struct FlownTwice {
 
 Atlas Economized(const Atlas& atlas, const MapEconomy& economy) {
   Atlas after = atlas;
-  const auto edits = OptimizationEdits(economy.changes, atlas);
-  EXPECT_TRUE(edits.has_value());
-  for (const MapEdit& edit : *edits) EXPECT_TRUE(Apply(edit, after).has_value()) << KindName(edit);
+  ServerDraft draft(atlas, 9);
+  EXPECT_TRUE(OptimizationEdits(economy.changes, draft).has_value());
+  for (const MapEdit& edit : draft.edits()) EXPECT_TRUE(Apply(edit, after).has_value()) << KindName(edit);
   EXPECT_THAT(CheckConsistency(after), IsEmpty());
   return after;
 }

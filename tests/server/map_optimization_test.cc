@@ -5,6 +5,7 @@
 
 #include "common/map/consistency.h"
 #include "tests/map/random_edits.h"
+#include "tests/map/small_world.h"
 #include "tests/server/fusion_world.h"
 
 namespace pangaea::testing {
@@ -35,9 +36,11 @@ struct WeldedAtOneEnd {
 };
 
 void Carry(const OptimizedMap& optimized, Atlas& atlas) {
-  const auto edits = OptimizationEdits(optimized, atlas);
-  ASSERT_TRUE(edits.has_value()) << edits.error().message;
-  for (const MapEdit& edit : *edits) ASSERT_TRUE(Apply(edit, atlas).has_value()) << KindName(edit);
+  ServerDraft draft(atlas, 9);
+  const Status made = OptimizationEdits(optimized, draft);
+  ASSERT_TRUE(made.has_value()) << made.error().message;
+  for (const MapEdit& edit : draft.edits()) ASSERT_TRUE(Apply(edit, atlas).has_value()) << KindName(edit);
+  EXPECT_EQ(Fingerprint(atlas), Fingerprint(draft.atlas()));
 }
 
 class OptimizeMapTest : public ::testing::TestWithParam<std::uint64_t> {};
