@@ -169,6 +169,9 @@ Status AtlasDecoder::ReadLandmarks() {
   for (std::size_t i = 0; i < count; ++i) {
     if (auto status = ReadLandmark(); !status) return status;
   }
+  covisibility_.ForEach([this](KeyframeId id, std::vector<Covisibility> covisible) {
+    editor_.WriteKeyframe(id).covisible = std::move(covisible);
+  });
   return {};
 }
 
@@ -183,10 +186,10 @@ Status AtlasDecoder::ReadLandmark() {
     observation.keypoint = reader_.ReadCounter();
   }
   if (!bytes_.ok()) return Corrupt("truncated or malformed landmark");
-  return InsertLandmark(landmark);
+  return InsertLandmark(std::move(landmark));
 }
 
-Status AtlasDecoder::InsertLandmark(const Landmark& landmark) {
+Status AtlasDecoder::InsertLandmark(Landmark landmark) {
   const auto& observations = landmark.observations;
   const auto reference = std::find_if(observations.begin(), observations.end(),
                                       [&](const Observation& o) { return o.keyframe == landmark.reference; });
@@ -204,10 +207,8 @@ Status AtlasDecoder::InsertLandmark(const Landmark& landmark) {
     if (!sound) return Corrupt("an observation that cannot be, of landmark " + ToString(landmark.id));
     last = observation.keyframe;
   }
-  editor_.InsertLandmark(landmark.id, landmark.point_in_map, landmark.reference, reference->keypoint);
-  for (const Observation& observation : observations) {
-    if (observation != *reference) editor_.Observe(landmark.id, observation.keyframe, observation.keypoint);
-  }
+  covisibility_.Add(observations);
+  editor_.InsertObserved(std::move(landmark));
   return {};
 }
 

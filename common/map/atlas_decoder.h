@@ -10,6 +10,7 @@
 #include "common/base/result.h"
 #include "common/map/atlas_codec.h"
 #include "common/map/atlas_editor.h"
+#include "common/map/covisibility_count.h"
 #include "common/map/map_bytes.h"
 
 namespace pangaea {
@@ -37,7 +38,7 @@ class AtlasDecoder {
   Status ReadMaps();
   Status ReadLandmarks();
   Status ReadLandmark();
-  Status InsertLandmark(const Landmark& landmark);
+  Status InsertLandmark(Landmark landmark);
   Status ReadFormerLandmarks();
   Status ReadLoopEdges();
 
@@ -46,6 +47,7 @@ class AtlasDecoder {
   const KeyframeDataSource& data_;
   Atlas& atlas_;
   AtlasEditor editor_;
+  CovisibilityCount covisibility_;  // of the landmarks read so far
   std::uint8_t format_ = kAtlasFormat;
 };
 

@@ -109,6 +109,14 @@ void AtlasEditor::InsertLandmark(LandmarkId id, const Eigen::Vector3d& point_in_
   Observe(id, reference, keypoint);
 }
 
+void AtlasEditor::InsertObserved(Landmark landmark) {
+  for (const Observation& observation : landmark.observations) {
+    WriteKeyframe(observation.keyframe).landmarks.at(observation.keypoint) = landmark.id;
+  }
+  CountLandmark(landmark.id, atlas_.FindKeyframe(landmark.reference)->map, +1);
+  WriteSlot(landmark.id) = std::move(landmark);
+}
+
 void AtlasEditor::ChangeCovisibility(std::span<const Observation> some, std::span<const Observation> others,
                                      int change) {
   for (const Observation& observer : some) ChangeWeights(WriteKeyframe(observer.keyframe).covisible, others, change);

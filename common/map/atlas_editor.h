@@ -23,6 +23,8 @@ class AtlasEditor {
   // without a parent makes its map.
   void InsertKeyframe(Keyframe keyframe);
   void InsertLandmark(LandmarkId id, const Eigen::Vector3d& point_in_map, KeyframeId reference, std::uint32_t keypoint);
+  // One with all its observers, whose covisibility is left to whoever inserts.
+  void InsertObserved(Landmark landmark);
   // Links the two and counts the landmark in the keyframe's covisibility with its other observers.
   void Observe(LandmarkId landmark, KeyframeId keyframe, std::uint32_t keypoint);
   // The reverse. The last observation takes the landmark with it; a reference that goes is replaced by the observer of

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include "common/map/id_set.h"
+
 namespace pangaea {
 namespace {
 
@@ -58,16 +60,15 @@ std::vector<LandmarkId> LandmarkIndex::InView(const Viewpoint& viewpoint) const 
   const ViewPyramid pyramid(viewpoint.camera);
   const Eigen::Matrix3d rotation = viewpoint.camera_from_map.rotation().toRotationMatrix();
   const Eigen::Vector3d translation = viewpoint.camera_from_map.translation();
-  std::vector<LandmarkId> seen;
+  LandmarkIdSet seen;
   for (const Cube& cube : cubes_) {
     if (!pyramid.Touches(rotation * cube.center_in_map + translation, reach_)) continue;
     for (const Entry& entry : cube.landmarks) {
       const Eigen::Vector3d point = rotation * entry.point_in_map + translation;
-      if (point.z() > 0.0 && viewpoint.camera.Contains(viewpoint.camera.Project(point))) seen.push_back(entry.id);
+      if (point.z() > 0.0 && viewpoint.camera.Contains(viewpoint.camera.Project(point))) seen.Insert(entry.id);
     }
   }
-  std::ranges::sort(seen);
-  return seen;
+  return seen.Ascending();
 }
 
 }  // namespace pangaea
