@@ -27,9 +27,11 @@ void EconomyAgenda::Recover(const Atlas& atlas) {
   }
 }
 
-std::optional<MapId> EconomyAgenda::Next(const Atlas& atlas, const std::set<KeyframeId>& in_use) {
+std::optional<MapId> EconomyAgenda::Next(const Atlas& atlas, const std::set<KeyframeId>& in_use,
+                                         std::optional<MapId> only) {
   std::erase_if(idle_, [&](const auto& entry) { return atlas.FindMap(entry.first) == nullptr; });
   for (const auto& [map, occupation] : Occupations(atlas, in_use)) {
+    if (only && map != *only) continue;
     const std::size_t last = idle_[map];
     const bool grown = static_cast<double>(occupation.idle) > static_cast<double>(last) * (1.0 + growth_);
     const bool left = occupation.in_use == 0 && occupation.idle > last;
@@ -38,8 +40,16 @@ std::optional<MapId> EconomyAgenda::Next(const Atlas& atlas, const std::set<Keyf
   return std::nullopt;
 }
 
-void EconomyAgenda::Finish(MapId map, const Atlas& atlas, const std::set<KeyframeId>& in_use) {
-  idle_[map] = Occupations(atlas, in_use)[map].idle;
+bool EconomyAgenda::MapWelded(MapId map) {
+  if (running_ != map || cancellations_ >= patience_) return false;
+  ++cancellations_;
+  return true;
+}
+
+void EconomyAgenda::Finish(const Atlas& atlas, const std::set<KeyframeId>& in_use) {
+  idle_[*running_] = Occupations(atlas, in_use)[*running_].idle;
+  running_.reset();
+  cancellations_ = 0;
 }
 
 }  // namespace pangaea

@@ -23,7 +23,7 @@ OptimizationThread::OptimizationThread(AtlasService& service, Jobs jobs, const O
       finished_(std::move(finished)),
       ledger_(ledger),
       agenda_(options),
-      economy_agenda_(options.growth) {}
+      economy_agenda_(options.growth, options.patience) {}
 
 void OptimizationThread::Start() {
   thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
@@ -39,7 +39,8 @@ void OptimizationThread::Welded(MapId map, MapId absorbed) {
     MutexLock lock(mutex_);
     bool cancel = agenda_.MapWelded(map);
     if (absorbed.valid()) cancel = agenda_.MapWelded(absorbed) || cancel;
-    if (cancel || economizing_) running_.request_stop();
+    cancel = economy_agenda_.MapWelded(map) || economy_agenda_.MapWelded(absorbed) || cancel;
+    if (cancel) running_.request_stop();
     const std::size_t waiting = agenda_.waiting();
     ledger_.Write([waiting](WorkReport& report) { report.optimizations_waiting = waiting; });
   }
@@ -53,28 +54,31 @@ bool OptimizationThread::HoldsLoops(MapId map) const {
 
 void OptimizationThread::Run(const std::stop_token& stop) {
   StandBack(kNice);
-  economy_agenda_.Recover(service_.State()->ingest.atlas);
+  {
+    MutexLock lock(mutex_);
+    economy_agenda_.Recover(service_.State()->ingest.atlas);
+  }
   while (bell_.Wait(stop)) {
     bool worked = false;
-    while (!stop.stop_requested()) {
-      const auto state = service_.State();
-      if (const auto map = Begin(state->ingest)) {
-        Optimize(state->ingest.atlas, *map, stop);
-        finished_();
-        worked = true;
-        continue;
-      }
-      if (Economize(state->ingest, stop)) {
-        worked = true;
-        continue;
-      }
-      Tidy(state->ingest, stop);
-      ledger_.Write([&](WorkReport& report) { report.planned_version = state->ingest.atlas.version(); });
-      break;
-    }
+    while (!stop.stop_requested() && Work(stop)) worked = true;
     // Adjusting a whole map takes several times its size for a while.
     if (worked) ReturnFreeMemory();
   }
+}
+
+bool OptimizationThread::Work(const std::stop_token& stop) {
+  const auto state = service_.State();
+  if (const auto map = Begin(state->ingest)) {
+    const bool done = Optimize(state->ingest.atlas, *map, stop);
+    finished_();
+    // Now, too, where one map or another is always due: the larger they grow, the longer each takes.
+    if (done) Economize(service_.State()->ingest, map, stop);
+    return true;
+  }
+  if (Economize(state->ingest, std::nullopt, stop)) return true;
+  Tidy(state->ingest, stop);
+  ledger_.Write([&](WorkReport& report) { report.planned_version = state->ingest.atlas.version(); });
+  return false;
 }
 
 void OptimizationThread::TakeIn(const IngestState& state) {
@@ -106,7 +110,7 @@ std::stop_source OptimizationThread::Running() const {
   return running_;
 }
 
-void OptimizationThread::Optimize(const Atlas& snapshot, MapId map, const std::stop_token& stop) {
+bool OptimizationThread::Optimize(const Atlas& snapshot, MapId map, const std::stop_token& stop) {
   std::stop_source running = Running();
   const std::stop_callback end(stop, [&running] { running.request_stop(); });
   const Stopwatch watch;
@@ -132,6 +136,7 @@ void OptimizationThread::Optimize(const Atlas& snapshot, MapId map, const std::s
     if (cancelled) ++report.cancelled_optimizations;
     if (!cancelled) report.global_ms.Add(milliseconds);
   });
+  return !cancelled;
 }
 
 void OptimizationThread::Propose(const OptimizedMap& optimized) {
@@ -141,36 +146,44 @@ void OptimizationThread::Propose(const OptimizedMap& optimized) {
 }
 
 // True when the atlas is another: then there may be more to do.
-bool OptimizationThread::Economize(const IngestState& snapshot, const std::stop_token& stop) {
+bool OptimizationThread::Economize(const IngestState& snapshot, std::optional<MapId> only,
+                                   const std::stop_token& stop) {
   if (!jobs_.economize) return false;
   const std::set<KeyframeId> in_use = jobs_.in_use(snapshot);
-  while (const auto map = economy_agenda_.Next(snapshot.atlas, in_use)) {
+  while (const auto map = BeginEconomy(snapshot.atlas, in_use, only)) {
     const Stopwatch watch;
     const auto economy = EconomizeOne(snapshot.atlas, *map, in_use, stop);
-    if (!economy || (!economy->empty() && !Take(*economy))) return false;
-    economy_agenda_.Finish(*map, economy->after, in_use);
+    const bool taken = economy && (economy->empty() || Take(*economy));
+    MutexLock lock(mutex_);
+    if (!taken) {
+      economy_agenda_.Cancel();
+      return false;
+    }
+    economy_agenda_.Finish(economy->after, in_use);
     if (economy->empty()) continue;
     spdlog::info("{}; {:.0f} ms", Describe(*economy), watch.milliseconds());
-    MutexLock lock(mutex_);
     agenda_.MapChanged(*map);
     return true;
   }
   return false;
 }
 
+std::optional<MapId> OptimizationThread::BeginEconomy(const Atlas& snapshot, const std::set<KeyframeId>& in_use,
+                                                      std::optional<MapId> only) {
+  MutexLock lock(mutex_);
+  const auto map = economy_agenda_.Next(snapshot, in_use, only);
+  if (!map) return std::nullopt;
+  economy_agenda_.Start(*map);
+  running_ = std::stop_source();
+  return map;
+}
+
 std::optional<MapEconomy> OptimizationThread::EconomizeOne(const Atlas& snapshot, MapId map,
                                                            const std::set<KeyframeId>& in_use,
                                                            const std::stop_token& stop) {
-  std::stop_source running;
-  {
-    MutexLock lock(mutex_);
-    running_ = running;
-    economizing_ = true;
-  }
+  std::stop_source running = Running();
   const std::stop_callback end(stop, [&running] { running.request_stop(); });
   auto economy = jobs_.economize(snapshot, map, in_use, running.get_token());
-  MutexLock lock(mutex_);
-  economizing_ = false;
   if (running.stop_requested()) return std::nullopt;
   return economy;
 }

@@ -22,8 +22,8 @@
 namespace pangaea {
 
 // Runs the global bundle adjustments, one at a time, at the lowest priority, each on a snapshot. A weld in its map
-// cancels the running one; its successor starts from what the weld made. When none is due, it makes the maps smaller;
-// any weld cancels that.
+// cancels the running one; its successor starts from what the weld made. When one came to its end, and when none is
+// due, it makes the maps smaller; welds cancel that, too.
 class OptimizationThread {
  public:
   // A long computation on a snapshot; nothing when the stop was requested, or when it found nothing better.
@@ -59,12 +59,17 @@ class OptimizationThread {
 
  private:
   void Run(const std::stop_token& stop);
+  // What is due. False: there is nothing more to do before the bell rings again.
+  bool Work(const std::stop_token& stop);
   std::optional<MapId> Begin(const IngestState& state) EXCLUDES(mutex_);
   // What agents closed since the last time.
   void TakeIn(const IngestState& state) REQUIRES(mutex_);
-  void Optimize(const Atlas& snapshot, MapId map, const std::stop_token& stop);
+  // False: it was cancelled.
+  bool Optimize(const Atlas& snapshot, MapId map, const std::stop_token& stop) EXCLUDES(mutex_);
   void Propose(const OptimizedMap& optimized);
-  bool Economize(const IngestState& snapshot, const std::stop_token& stop) EXCLUDES(mutex_);
+  bool Economize(const IngestState& snapshot, std::optional<MapId> only, const std::stop_token& stop) EXCLUDES(mutex_);
+  std::optional<MapId> BeginEconomy(const Atlas& snapshot, const std::set<KeyframeId>& in_use,
+                                    std::optional<MapId> only) EXCLUDES(mutex_);
   std::optional<MapEconomy> EconomizeOne(const Atlas& snapshot, MapId map, const std::set<KeyframeId>& in_use,
                                          const std::stop_token& stop) EXCLUDES(mutex_);
   bool Take(const MapEconomy& economy);
@@ -79,10 +84,9 @@ class OptimizationThread {
   mutable Mutex mutex_;
   OptimizationAgenda agenda_ GUARDED_BY(mutex_);
   std::stop_source running_ GUARDED_BY(mutex_);
-  bool economizing_ GUARDED_BY(mutex_) = false;
+  EconomyAgenda economy_agenda_ GUARDED_BY(mutex_);
   std::map<SessionId, std::uint64_t> closed_maps_ GUARDED_BY(mutex_);  // seen, of each session
-  EconomyAgenda economy_agenda_;      // of the thread
-  std::size_t tidied_keyframes_ = 0;  // there were when it was tidied; of the thread
+  std::size_t tidied_keyframes_ = 0;                                   // there were when it was tidied; of the thread
   std::jthread thread_;
 };
 

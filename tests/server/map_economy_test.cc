@@ -77,15 +77,17 @@ TEST(EconomyOfAMap, AStopGivesNothing) {
 
 TEST(EconomyAgendaTest, AMapIsWorthItOnceItWasWeldedAndAgainWhenItGrewOrWasLeft) {
   SmallWorld world = RowOfThree();
-  EconomyAgenda agenda(0.5);
+  EconomyAgenda agenda(0.5, 2);
   EXPECT_FALSE(agenda.Next(world.atlas, {})) << "nothing was seen twice";
   world.Do(AddLoopEdge{K(3), K(1), {}});
   const std::set<KeyframeId> in_use{K(3)};
   EXPECT_EQ(agenda.Next(world.atlas, in_use), M(1));
-  agenda.Finish(M(1), world.atlas, in_use);
+  agenda.Start(M(1));
+  agenda.Finish(world.atlas, in_use);
   EXPECT_FALSE(agenda.Next(world.atlas, in_use));
   EXPECT_EQ(agenda.Next(world.atlas, {}), M(1)) << "its agent left";
-  agenda.Finish(M(1), world.atlas, {});
+  agenda.Start(M(1));
+  agenda.Finish(world.atlas, {});
   world.Child(K(4), K(3), M(1));
   EXPECT_FALSE(agenda.Next(world.atlas, {K(4)})) << "an agent works on what is new";
   world.Child(K(5), K(4), M(1));
@@ -93,10 +95,37 @@ TEST(EconomyAgendaTest, AMapIsWorthItOnceItWasWeldedAndAgainWhenItGrewOrWasLeft)
   EXPECT_EQ(agenda.Next(world.atlas, {K(6)}), M(1));
 }
 
+TEST(EconomyAgendaTest, AMapIsWorthItByItself) {
+  SmallWorld world = RowOfThree();
+  world.Do(AddLoopEdge{K(3), K(1), {}});
+  EconomyAgenda agenda(0.5, 2);
+  EXPECT_FALSE(agenda.Next(world.atlas, {}, M(2)));
+  EXPECT_EQ(agenda.Next(world.atlas, {}, M(1)), M(1));
+}
+
+TEST(EconomyAgendaTest, WeldsCancelTheRunningOneOfTheirMapSoOftenAndNoMore) {
+  SmallWorld world = RowOfThree();
+  world.Do(AddLoopEdge{K(3), K(1), {}});
+  EconomyAgenda agenda(0.5, 2);
+  EXPECT_FALSE(agenda.MapWelded(M(1))) << "nothing runs";
+  for (int i = 0; i < 2; ++i) {
+    agenda.Start(M(1));
+    EXPECT_FALSE(agenda.MapWelded(M(2))) << "another map";
+    EXPECT_TRUE(agenda.MapWelded(M(1)));
+    agenda.Cancel();
+    EXPECT_EQ(agenda.Next(world.atlas, {}), M(1));
+  }
+  agenda.Start(M(1));
+  EXPECT_FALSE(agenda.MapWelded(M(1)));
+  agenda.Finish(world.atlas, {});
+  agenda.Start(M(1));
+  EXPECT_TRUE(agenda.MapWelded(M(1))) << "patient again";
+}
+
 TEST(EconomyAgendaTest, WhatAServerFindsWhenItStartsIsNotMadeSmallerAgain) {
   SmallWorld world = RowOfThree();
   world.Do(AddLoopEdge{K(3), K(1), {}});
-  EconomyAgenda agenda(0.5);
+  EconomyAgenda agenda(0.5, 2);
   agenda.Recover(world.atlas);
   EXPECT_FALSE(agenda.Next(world.atlas, {}));
   world.Child(K(4), K(3), M(1));
