@@ -131,17 +131,39 @@ void AtlasEditor::Observe(LandmarkId landmark, KeyframeId keyframe, std::uint32_
   WriteKeyframe(keyframe).landmarks.at(keypoint) = landmark;
 }
 
-void AtlasEditor::Unobserve(LandmarkId landmark, KeyframeId keyframe) {
+Observation AtlasEditor::TakeObservation(LandmarkId landmark, KeyframeId keyframe) {
   Landmark& from = WriteLandmark(landmark);
   const auto found = FindObservation(from.observations, keyframe);
   PANGAEA_CHECK(found != from.observations.end() && found->keyframe == keyframe);
   const Observation observation = *found;
-  Keyframe& observer = WriteKeyframe(keyframe);
-  observer.landmarks.at(observation.keypoint) = {};
   from.observations.erase(found);
-  ChangeCovisibility({&observation, 1}, from.observations, -1);
-  if (from.observations.empty()) return EraseLandmark(landmark, observer.map);
-  if (from.reference == keyframe) from.reference = from.observations.front().keyframe;
+  if (from.observations.empty()) {
+    EraseLandmark(landmark, atlas_.FindKeyframe(keyframe)->map);
+  } else if (from.reference == keyframe) {
+    from.reference = from.observations.front().keyframe;
+  }
+  return observation;
+}
+
+void AtlasEditor::Unobserve(LandmarkId landmark, KeyframeId keyframe) {
+  const Observation observation = TakeObservation(landmark, keyframe);
+  WriteKeyframe(keyframe).landmarks.at(observation.keypoint) = {};
+  const Landmark* rest = atlas_.FindLandmark(landmark);
+  if (rest != nullptr) ChangeCovisibility({&observation, 1}, rest->observations, -1);
+}
+
+// Its edges go whole, instead of by one for each landmark.
+void AtlasEditor::UnobserveAll(KeyframeId id) {
+  Keyframe& keyframe = WriteKeyframe(id);
+  const std::vector<LandmarkId> landmarks = keyframe.landmarks;
+  std::ranges::fill(keyframe.landmarks, LandmarkId{});
+  for (const Covisibility& edge : std::exchange(keyframe.covisible, {})) {
+    auto& of_other = WriteKeyframe(edge.keyframe).covisible;
+    of_other.erase(std::ranges::lower_bound(of_other, id, {}, &Covisibility::keyframe));
+  }
+  for (const LandmarkId landmark : landmarks) {
+    if (landmark.valid()) (void)TakeObservation(landmark, id);
+  }
 }
 
 void AtlasEditor::EraseLandmark(LandmarkId id, MapId map) {

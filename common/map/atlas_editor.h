@@ -30,6 +30,7 @@ class AtlasEditor {
   // The reverse. The last observation takes the landmark with it; a reference that goes is replaced by the observer of
   // the lowest id.
   void Unobserve(LandmarkId landmark, KeyframeId keyframe);
+  void UnobserveAll(KeyframeId keyframe);
   void RemoveLandmark(LandmarkId id);
   // Two of one map become one: the observers of `absorbed`, which forwards from now on, observe `kept` in its stead.
   // Those that observe both go on with the keypoint of `kept`.
@@ -69,6 +70,7 @@ class AtlasEditor {
   void CountKeyframe(const Keyframe& keyframe, int change);
   void CountLandmark(LandmarkId id, MapId map, int change);
   void EraseLandmark(LandmarkId id, MapId map);
+  Observation TakeObservation(LandmarkId landmark, KeyframeId keyframe);  // from the side of the landmark alone
   void RehangLoopEdges(KeyframeId id, const CulledKeyframe& culled);
   void DropForwardsToNothing();
   // Of each pair of one of these and one of the others; both ascend and have none in common.

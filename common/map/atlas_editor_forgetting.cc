@@ -38,10 +38,9 @@ class DeadBlocks {
 
 void AtlasEditor::ForgetKeyframe(KeyframeId id) {
   const std::vector<LandmarkId> landmarks = atlas_.FindKeyframe(id)->landmarks;
+  UnobserveAll(id);
   for (const LandmarkId landmark : landmarks) {
-    if (!landmark.valid()) continue;
-    Unobserve(landmark, id);
-    if (atlas_.FindLandmark(landmark) == nullptr) WriteSlot(landmark) = std::monostate();
+    if (landmark.valid() && atlas_.FindLandmark(landmark) == nullptr) WriteSlot(landmark) = std::monostate();
   }
   Keyframe& keyframe = WriteKeyframe(id);
   auto place = std::make_shared<KeyframeData>();

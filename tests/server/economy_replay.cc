@@ -110,11 +110,22 @@ class Replay {
 
   void Optimize() {
     for (const MapId map : atlas().Maps()) {
-      const auto optimized = OptimizeMap(atlas(), map, {}, {});
-      if (!optimized) continue;
-      Carry([&](ServerDraft& draft) { return OptimizationEdits(optimized->optimized, draft); });
-      std::printf("  fused %zu, outliers %zu of %zu\n", optimized->fused, optimized->bundle.outliers,
-                  optimized->bundle.observations);
+      // As OptimizeMap, with a clock.
+      const MapOptimizationOptions options;
+      const double begin = CpuSeconds();
+      const MapFusion fusion = FuseDuplicates(atlas(), map, ParentsFirst(atlas(), map), options.fusion, {});
+      const double fused = CpuSeconds();
+      const auto bundle = AdjustMap(fusion.after, map, options.bundle, {});
+      const double adjusted = CpuSeconds();
+      if (!bundle) continue;
+      Carry([&](ServerDraft& draft) {
+        return OptimizationEdits({fusion.edits, {fusion.correction, bundle->correction}, bundle->removals}, draft);
+      });
+      std::printf(
+          "  %zu duplicates in %.2f s, bundle adjustment of %zu observations (%zu outliers) in %.2f s, edits in %.2f "
+          "s\n",
+          fusion.fused, fused - begin, bundle->observations, bundle->outliers, adjusted - fused,
+          CpuSeconds() - adjusted);
     }
   }
 
@@ -175,8 +186,9 @@ class Replay {
   void Economize() {
     for (const MapId map : atlas().Maps()) {
       const auto economy = EconomizeMap(atlas(), map, {}, {}, {}, {});
+      const double planned = CpuSeconds();
       Carry([&](ServerDraft& draft) { return OptimizationEdits(economy->changes, draft); });
-      std::printf("  %s\n", Describe(*economy).c_str());
+      std::printf("  %s; edits in %.2f s\n", Describe(*economy).c_str(), CpuSeconds() - planned);
     }
   }
 

@@ -7,13 +7,6 @@
 namespace pangaea {
 namespace {
 
-void DropObservations(KeyframeId id, AtlasEditor& editor) {
-  const std::vector<LandmarkId> landmarks = editor.atlas().FindKeyframe(id)->landmarks;
-  for (const LandmarkId landmark : landmarks) {
-    if (landmark.valid()) editor.Unobserve(landmark, id);
-  }
-}
-
 // Its frames, and the frame that it is itself, relative to what it forwards to.
 void HandFramesOn(const Keyframe& culled, AtlasEditor& editor) {
   const auto parent = editor.atlas().ResolvePose(culled.id);
@@ -42,7 +35,7 @@ Status Validate(const RemoveKeyframe& edit, const Atlas& atlas) { return CheckKn
 void ApplyValid(const RemoveKeyframe& edit, AtlasEditor& editor) {
   const Keyframe* keyframe = editor.atlas().FindKeyframe(edit.id);
   if (keyframe == nullptr) return;
-  DropObservations(edit.id, editor);
+  editor.UnobserveAll(edit.id);
   keyframe = editor.atlas().FindKeyframe(edit.id);
   if (!keyframe->parent.valid() && !keyframe->children.empty()) PassRootOn(edit.id, editor);
   const Keyframe culled = *editor.atlas().FindKeyframe(edit.id);
