@@ -5,13 +5,10 @@
 #include <utility>
 
 #include "agent/tracking/resolved_pose.h"
-#include "agent/tracking/template_harvest.h"
 #include "common/base/check.h"
 
 namespace pangaea {
 namespace {
-
-double Seconds(std::int64_t nanoseconds) { return 1e-9 * static_cast<double>(nanoseconds); }
 
 // Points in the camera frame of all keypoints with a depth up to `max_depth`.
 std::vector<Eigen::Vector3d> StereoPoints(const KeyframeData& data, double max_depth) {
@@ -67,7 +64,8 @@ Tracker::Tracker(SessionId session, const IdealCamera& camera, const TrackingOpt
       monocular_start_(camera, options.monocular_start,
                        {options.search.alignment, options.sparse_alignment, options.search.patch_sigma}, seed),
       templates_(options.max_templates),
-      recognition_(camera, options.recognition, std::move(vocabulary), seed) {}
+      recognition_(camera, options.recognition, std::move(vocabulary), seed),
+      recent_keyframes_(options.template_images) {}
 
 TrackingResult Tracker::Track(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
                               const std::shared_ptr<const Atlas>& atlas, StageRecorder& stages) {
@@ -97,24 +95,11 @@ void Tracker::AdoptSnapshot(const std::shared_ptr<const Atlas>& atlas) {
   if (atlas_ == atlas) return;
   atlas_ = atlas;
   if (map_.valid() && !awaits_first_keyframe(*atlas_)) map_ = atlas_->Resolve(map_);  // maps may have been joined
-  AdoptScale();
+  if (previous_) previous_->FollowScale(*atlas_);
   if (!map_.valid() || awaits_first_keyframe(*atlas_)) return;
-  for (RecentKeyframe& keyframe : recent_keyframes_) {
-    HarvestTemplates(*atlas_, keyframe.id, keyframe.image, options_.new_view_angle, templates_);
-  }
+  recent_keyframes_.Harvest(*atlas_, options_.new_view_angle, templates_);
   const KeyframeId living = atlas_->Resolve(reference_);
   RebuildLocalMap(living.valid() ? living : first_keyframe_);
-}
-
-// A correction may have scaled the map: the lengths remembered are brought along.
-void Tracker::AdoptScale() {
-  const Keyframe* reference = previous_ ? atlas_->FindKeyframe(atlas_->Resolve(previous_->reference)) : nullptr;
-  if (reference == nullptr || reference->scale == previous_->scale) return;
-  const double factor = reference->scale / previous_->scale;
-  previous_->scale = reference->scale;
-  previous_->reference_from_frame = ScaleLengths(previous_->reference_from_frame, factor);
-  previous_->velocity.head<3>() *= factor;
-  for (Eigen::Vector3d& point : previous_->points_in_camera) point *= factor;
 }
 
 void Tracker::RebuildLocalMap(KeyframeId reference) {
@@ -122,12 +107,7 @@ void Tracker::RebuildLocalMap(KeyframeId reference) {
   local_map_ = CollectLocalMap(*atlas_, reference, templates_, local_map_, options_.local_map);
 }
 
-std::optional<Rigid3d> Tracker::PreviousPose() const {
-  if (!previous_) return std::nullopt;
-  const auto reference_from_map = PoseOf(*atlas_, previous_->reference);
-  if (!reference_from_map) return std::nullopt;
-  return previous_->reference_from_frame.Inverse() * *reference_from_map;
-}
+std::optional<Rigid3d> Tracker::PreviousPose() const { return previous_ ? previous_->PoseIn(*atlas_) : std::nullopt; }
 
 void Tracker::TrackKnownMap(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
                             StageRecorder& stages) {
@@ -150,7 +130,7 @@ bool Tracker::IsTrusted(const LocatedFrame& located, const LocalMap& local_map, 
 std::optional<LocatedFrame> Tracker::LocateByMotion(std::int64_t stamp_ns, StageRecorder& stages) {
   const auto previous_pose = PreviousPose();
   if (!previous_pose || frames_lost_ > options_.frames_predicted) return std::nullopt;
-  Rigid3d current_from_previous = Rigid3d::Exp(previous_->velocity * Seconds(stamp_ns - previous_->stamp_ns));
+  Rigid3d current_from_previous = previous_->MotionUntil(stamp_ns);
   {
     StageScope scope(stages, "tracking.prediction");
     const auto aligned = AlignSparsely(previous_image_, current_image_, camera_, previous_->points_in_camera,
@@ -173,7 +153,7 @@ void Tracker::FinishTracked(std::int64_t stamp_ns, const LocatedFrame& located, 
   const Rigid3d& camera_from_map = located.pose.camera_from_map;
   const KeyframeId reference = BestReference(*atlas_, located, local_map_, reference_, session_);
   const Rigid3d& reference_from_map = atlas_->FindKeyframe(reference)->camera_from_map;
-  Previous previous;
+  LatestFrame previous;
   previous.reference = reference;
   previous.reference_from_frame = reference_from_map * camera_from_map.Inverse();
   previous.scale = atlas_->FindKeyframe(reference)->scale;
@@ -206,10 +186,7 @@ void Tracker::FinishTracked(std::int64_t stamp_ns, const LocatedFrame& located, 
 // Of the camera; zero where the motion is not known, as after a loss.
 Vector6d Tracker::VelocityInto(std::int64_t stamp_ns, const Rigid3d& camera_from_map) const {
   if (!previous_ || frames_lost_ > 0) return Vector6d::Zero();
-  if (stamp_ns <= previous_->stamp_ns) return previous_->velocity;  // the same frame, now in another map
-  const auto previous_pose = PreviousPose();
-  if (!previous_pose || !IsInMap(*atlas_, previous_->reference, map_)) return Vector6d::Zero();
-  return (camera_from_map * previous_pose->Inverse()).Log() / Seconds(stamp_ns - previous_->stamp_ns);
+  return previous_->VelocityInto(stamp_ns, camera_from_map, map_, *atlas_);
 }
 
 void Tracker::ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
@@ -231,8 +208,8 @@ void Tracker::ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const
     candidate.camera_from_reference = result.pose.reference_from_frame.Inverse();
     candidate.reference_scale = result.reference_scale;
     candidate.landmarks = std::move(built.landmarks);
-    RememberKeyframe(candidate.id, current_image_, candidate.reference, candidate.camera_from_reference,
-                     candidate.reference_scale);
+    recent_keyframes_.Add(candidate.id, current_image_, candidate.reference, candidate.camera_from_reference,
+                          candidate.reference_scale);
     // The keyframe is this frame: bundle adjustment moves both.
     result.reference = candidate.id;
     result.pose.reference_from_frame = Rigid3d();
@@ -250,22 +227,10 @@ double Tracker::NearestView(const Rigid3d& camera_from_map, double median_depth)
     const Rigid3d& keyframe_from_map = atlas_->FindKeyframe(id)->camera_from_map;
     nearest = std::min(nearest, ViewDistance(camera_from_map, keyframe_from_map, median_depth, options_.keyframes));
   }
-  for (const RecentKeyframe& recent : recent_keyframes_) {
-    if (atlas_->Knows(recent.id)) continue;
-    const auto recent_from_map = PoseOfRecent(recent);
-    if (!recent_from_map) continue;
-    nearest = std::min(nearest, ViewDistance(camera_from_map, *recent_from_map, median_depth, options_.keyframes));
+  for (const Rigid3d& recent_from_map : recent_keyframes_.PosesUnderWay(*atlas_)) {
+    nearest = std::min(nearest, ViewDistance(camera_from_map, recent_from_map, median_depth, options_.keyframes));
   }
   return nearest;
-}
-
-// Of one on its way into the map; nothing where its reference is on its way, too.
-std::optional<Rigid3d> Tracker::PoseOfRecent(const RecentKeyframe& recent) const {
-  const auto reference_from_map = PoseOf(*atlas_, recent.reference);
-  if (!reference_from_map) return std::nullopt;
-  const Keyframe& reference = *atlas_->FindKeyframe(atlas_->Resolve(recent.reference));
-  return ScaleLengths(recent.camera_from_reference, LengthFactor(reference, recent.reference_scale)) *
-         *reference_from_map;
 }
 
 bool Tracker::StartMap(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
@@ -276,8 +241,8 @@ bool Tracker::StartMap(std::int64_t stamp_ns, const cv::Mat& left, const RightIm
       StereoPoints(*built.data, options_.start_depth_baselines * camera_.baseline);
   if (std::cmp_less(points.size(), options_.min_start_points)) return false;
   BeginMap();
-  RememberKeyframe(first_keyframe_, current_image_, KeyframeId{}, Rigid3d(), {});
-  previous_ = Previous{first_keyframe_, Rigid3d(), 1.0, stamp_ns, Vector6d::Zero(), points};
+  recent_keyframes_.Add(first_keyframe_, current_image_, KeyframeId{}, Rigid3d(), {});
+  previous_ = LatestFrame{first_keyframe_, Rigid3d(), 1.0, stamp_ns, Vector6d::Zero(), points};
   result.state = TrackingState::kTracking;
   result.tracked = true;
   result.map = map_;
@@ -296,7 +261,7 @@ void Tracker::BeginMap() {
   first_keyframe_ = KeyframeId{session_, ++keyframes_made_};
   reference_ = first_keyframe_;
   local_map_ = LocalMap{};
-  recent_keyframes_.clear();
+  recent_keyframes_.Clear();
   decision_.Restart();
   frames_lost_ = 0;
   frames_searched_ = 0;
@@ -304,14 +269,6 @@ void Tracker::BeginMap() {
   lacks_templates_ = false;
 }
 
-void Tracker::RememberKeyframe(KeyframeId id, const ImagePyramid& image, KeyframeId reference,
-                               const Rigid3d& camera_from_reference, ReferenceScale scale) {
-  recent_keyframes_.push_back(RecentKeyframe{id, CopyPyramid(image), reference, camera_from_reference, scale});
-  if (recent_keyframes_.size() > options_.template_images) recent_keyframes_.pop_front();
-}
-
-bool Tracker::MappingIsBusy() const {
-  return !recent_keyframes_.empty() && !atlas_->Knows(recent_keyframes_.back().id);
-}
+bool Tracker::MappingIsBusy() const { return recent_keyframes_.IsOneUnderWay(*atlas_); }
 
 }  // namespace pangaea

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
@@ -11,10 +10,12 @@
 #include "agent/mapping/map_opening.h"
 #include "agent/tracking/keyframe_builder.h"
 #include "agent/tracking/keyframe_decision.h"
+#include "agent/tracking/latest_frame.h"
 #include "agent/tracking/local_map.h"
 #include "agent/tracking/monocular_start.h"
 #include "agent/tracking/patch_search.h"
 #include "agent/tracking/place_inquiry.h"
+#include "agent/tracking/recent_keyframes.h"
 #include "agent/tracking/recognition.h"
 #include "agent/tracking/sparse_alignment.h"
 #include "agent/tracking/template_store.h"
@@ -75,26 +76,7 @@ class Tracker {
   bool awaits_first_keyframe(const Atlas& atlas) const;
 
  private:
-  // The latest tracked frame, from which the next one is predicted.
-  struct Previous {
-    KeyframeId reference;
-    Rigid3d reference_from_frame;
-    double scale = 1.0;  // of the reference, at which the lengths here are measured
-    std::int64_t stamp_ns = 0;
-    Vector6d velocity = Vector6d::Zero();           // of the camera into this frame: a twist, per second
-    std::vector<Eigen::Vector3d> points_in_camera;  // of the tracked landmarks
-  };
-  // A keyframe on its way into the map, or whose image is still of use.
-  struct RecentKeyframe {
-    KeyframeId id;
-    ImagePyramid image;
-    KeyframeId reference;
-    Rigid3d camera_from_reference;
-    ReferenceScale reference_scale;
-  };
-
   void AdoptSnapshot(const std::shared_ptr<const Atlas>& atlas);
-  void AdoptScale();
   void RebuildLocalMap(KeyframeId reference);
   std::optional<Rigid3d> PreviousPose() const;
   void TrackKnownMap(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
@@ -115,7 +97,6 @@ class Tracker {
   Vector6d VelocityInto(std::int64_t stamp_ns, const Rigid3d& camera_from_map) const;
   void FinishTracked(std::int64_t stamp_ns, const LocatedFrame& located, TrackingResult& result);
   void HangBelowOwnKeyframe(TrackingResult& result) const;
-  std::optional<Rigid3d> PoseOfRecent(const RecentKeyframe& recent) const;
   void ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
                         const LocatedFrame& located, TrackingResult& result, StageRecorder& stages);
   double NearestView(const Rigid3d& camera_from_map, double median_depth) const;
@@ -125,8 +106,6 @@ class Tracker {
   bool StartMonocularMap(std::int64_t stamp_ns, const cv::Mat& left, TrackingResult& result, StageRecorder& stages);
   void Adopt(const MonocularOpening& opening, std::shared_ptr<const KeyframeData> second, TrackingResult& result);
   void BeginMap();
-  void RememberKeyframe(KeyframeId id, const ImagePyramid& image, KeyframeId reference,
-                        const Rigid3d& camera_from_reference, ReferenceScale scale);
   bool MappingIsBusy() const;
 
   const SessionId session_;
@@ -143,10 +122,10 @@ class Tracker {
   KeyframeId first_keyframe_;  // of map_
   KeyframeId reference_;       // of the local map
   LocalMap local_map_;
-  std::optional<Previous> previous_;
+  std::optional<LatestFrame> previous_;
   ImagePyramid current_image_;
   ImagePyramid previous_image_;
-  std::deque<RecentKeyframe> recent_keyframes_;
+  RecentKeyframes recent_keyframes_;
   std::shared_ptr<const KeyframeData> unrecognised_;  // of the present frame
   std::optional<PlaceHint> hint_;                     // while lost
   int frames_lost_ = 0;

@@ -29,9 +29,9 @@ void Tracker::Adopt(const MonocularOpening& opening, std::shared_ptr<const Keyfr
   first->features = opening.first_features;
   const KeyframeId second_id{session_, ++keyframes_made_};
   const Rigid3d& second_from_first = opening.second_from_first;
-  RememberKeyframe(first_keyframe_, opening.first_image, KeyframeId{}, Rigid3d(), {});
-  RememberKeyframe(second_id, current_image_, first_keyframe_, second_from_first, {});
-  previous_ = Previous{second_id, Rigid3d(), 1.0, second->stamp_ns, Vector6d::Zero(), {}};
+  recent_keyframes_.Add(first_keyframe_, opening.first_image, KeyframeId{}, Rigid3d(), {});
+  recent_keyframes_.Add(second_id, current_image_, first_keyframe_, second_from_first, {});
+  previous_ = LatestFrame{second_id, Rigid3d(), 1.0, second->stamp_ns, Vector6d::Zero(), {}};
   for (const OpeningPoint& point : opening.points) {
     previous_->points_in_camera.push_back(second_from_first * point.point_in_first);
   }

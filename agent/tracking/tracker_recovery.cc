@@ -111,16 +111,11 @@ void Tracker::EnterLargerMap(std::int64_t stamp_ns, BuiltKeyframe& built, Tracki
 // sees. Frames hang below it all the same: they are the session's.
 void Tracker::HangBelowOwnKeyframe(TrackingResult& result) const {
   if (result.reference.session == session_) return;
-  for (auto recent = recent_keyframes_.rbegin(); recent != recent_keyframes_.rend(); ++recent) {
-    const KeyframeId known = atlas_->Resolve(recent->id);
-    if (!IsInMap(*atlas_, known.valid() ? known : recent->reference, map_)) continue;
-    const auto recent_from_map = known.valid() ? PoseOf(*atlas_, known) : PoseOfRecent(*recent);
-    if (!recent_from_map || (known.valid() && known.session != session_)) continue;
-    result.reference = known.valid() ? known : recent->id;
-    result.pose.reference_from_frame = *recent_from_map * result.camera_from_map.Inverse();
-    if (known.valid()) result.reference_scale = {atlas_->FindKeyframe(known)->scale};
-    return;
-  }
+  const auto own = recent_keyframes_.NewestIn(map_, session_, *atlas_);
+  if (!own) return;
+  result.reference = own->id;
+  result.pose.reference_from_frame = own->camera_from_map * result.camera_from_map.Inverse();
+  if (own->scale) result.reference_scale = *own->scale;
 }
 
 }  // namespace pangaea
