@@ -199,42 +199,50 @@ class FakeOptimizer {
 
 std::vector<MapEdit> KeepAll(const IngestState&, const std::stop_token&) { return {}; }
 
-TEST(OptimizationThread, WhatIsRedundantIsCulledOnceAsTheServersOwnEdit) {
-  const TemporaryStore place;
-  ServiceHarness harness(place.path());
-  Flight flight(kAnna);
-  harness.Send(flight.Next());
-  harness.WaitForAck(kAnna, 1);
-  WorkLedger ledger;
-  const auto tidy = [](const IngestState&, const std::stop_token&) {
+std::optional<OptimizedMap> OptimizeNothing(const Atlas&, MapId, const std::stop_token&) { return std::nullopt; }
+
+// The thread at a server that has something of Anna's.
+class OptimizationThreadTest : public ::testing::Test {
+ protected:
+  OptimizationThreadTest() {
+    Flight flight(kAnna);
+    for (int i = 0; i < 2; ++i) harness_.Send(flight.Next());
+    harness_.WaitForAck(kAnna, 2);
+  }
+
+  OptimizationThread& Start(OptimizationThread::Optimizer optimize, OptimizationThread::Tidier tidy) {
+    thread_.emplace(
+        *harness_.service, OptimizationThread::Jobs{std::move(optimize), std::move(tidy), {}, {}},
+        OptimizationAgendaOptions{}, [] {}, ledger_);
+    thread_->Start();
+    return *thread_;
+  }
+  OptimizationThread& Start(FakeOptimizer& optimizer) {
+    return Start([&](const Atlas&, MapId, const std::stop_token& stop) { return optimizer(stop); }, KeepAll);
+  }
+
+  const TemporaryStore place_;
+  ServiceHarness harness_{place_.path()};
+  WorkLedger ledger_;
+
+ private:
+  std::optional<OptimizationThread> thread_;
+};
+
+TEST_F(OptimizationThreadTest, WhatIsRedundantIsCulledOnceAsTheServersOwnEdit) {
+  OptimizationThread& thread = Start(OptimizeNothing, [](const IngestState&, const std::stop_token&) {
     return std::vector<MapEdit>{RemoveLandmark{L(1)}, RemoveKeyframe{K(4711)}};
-  };
-  OptimizationThread thread(
-      *harness.service,
-      {[](const Atlas&, MapId, const std::stop_token&) { return std::optional<OptimizedMap>(); }, tidy, {}, {}}, {},
-      [] {}, ledger);
-  thread.Start();
+  });
   thread.Notify();
-  harness.WaitForEvent(AtlasEventKind::kCulled);
+  harness_.WaitForEvent(AtlasEventKind::kCulled);
   thread.Stop();
-  EXPECT_EQ(harness.service->State()->ingest.atlas.FindLandmark(L(1)), nullptr);
-  EXPECT_EQ(ledger.Read().culled, 1u) << "what was not there is left out";
+  EXPECT_EQ(harness_.service->State()->ingest.atlas.FindLandmark(L(1)), nullptr);
+  EXPECT_EQ(ledger_.Read().culled, 1u) << "what was not there is left out";
 }
 
-TEST(OptimizationThread, WeldsCancelTheRunningOneWhichIsLaunchedAgain) {
-  const TemporaryStore place;
-  ServiceHarness harness(place.path());
-  Flight flight(kAnna);
-  harness.Send(flight.Next());
-  harness.Send(flight.Next());
-  harness.WaitForAck(kAnna, 2);
+TEST_F(OptimizationThreadTest, WeldsCancelTheRunningOneWhichIsLaunchedAgain) {
   FakeOptimizer optimizer;
-  WorkLedger ledger;
-  OptimizationThread thread(
-      *harness.service,
-      {[&](const Atlas&, MapId, const std::stop_token& stop) { return optimizer(stop); }, KeepAll, {}, {}}, {}, [] {},
-      ledger);
-  thread.Start();
+  OptimizationThread& thread = Start(optimizer);
   thread.Welded(M(1), {});
   optimizer.WaitForBegin(1);
   thread.Welded(M(1), {});
@@ -242,27 +250,17 @@ TEST(OptimizationThread, WeldsCancelTheRunningOneWhichIsLaunchedAgain) {
   thread.Welded(M(1), {});
   optimizer.WaitForBegin(3);
   // Before the end, which cancels the third.
-  EXPECT_EQ(ledger.Read().cancelled_optimizations, 2u);
+  EXPECT_EQ(ledger_.Read().cancelled_optimizations, 2u);
   thread.Stop();
 }
 
-TEST(OptimizationThread, StoppingGivesUpWhatRuns) {
-  const TemporaryStore place;
-  ServiceHarness harness(place.path());
-  Flight flight(kAnna);
-  harness.Send(flight.Next());
-  harness.WaitForAck(kAnna, 1);
+TEST_F(OptimizationThreadTest, StoppingGivesUpWhatRuns) {
   FakeOptimizer optimizer;
-  WorkLedger ledger;
-  OptimizationThread thread(
-      *harness.service,
-      {[&](const Atlas&, MapId, const std::stop_token& stop) { return optimizer(stop); }, KeepAll, {}, {}}, {}, [] {},
-      ledger);
-  thread.Start();
+  OptimizationThread& thread = Start(optimizer);
   thread.Welded(M(1), {});
   optimizer.WaitForBegin(1);
   thread.Stop();
-  EXPECT_EQ(ledger.Read().global_ms.count(), 0u);
+  EXPECT_EQ(ledger_.Read().global_ms.count(), 0u);
 }
 
 }  // namespace

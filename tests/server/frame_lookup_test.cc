@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/place/vocabulary_file.h"
+#include "tests/server/read_vocabulary.h"
 #include "tests/server/surveyed_world.h"
 
 namespace pangaea::testing {
@@ -11,11 +11,6 @@ namespace {
 constexpr SessionId kMapper = 0xa;
 constexpr SessionId kLost = 0xb;
 constexpr int kCircle = 36;  // poses of a whole round
-
-std::shared_ptr<const VocabularyTree> Vocabulary() {
-  static const auto vocabulary = OpenVocabulary().value();
-  return vocabulary;
-}
 
 // What a camera shows that has been there in this world: a keyframe without its landmarks and without depth.
 KeyframeData LookAround(SurveyedWorld& world, int place, bool stereo = true) {

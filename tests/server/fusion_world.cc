@@ -33,6 +33,21 @@ PlaceMatch MiddleMatch(const SurveyedWorld& world) {
   return world.TrueMatch(world.KeyframesOf(kNewer)[2], world.KeyframesOf(kOlder)[8]);
 }
 
+WeldedFlights::WeldedFlights(std::uint64_t seed, const std::vector<Rigid3d>& way, std::size_t at,
+                             const FusionOptions& options)
+    : world(seed) {
+  world.Fly(kOlder, way, {});
+  SurveyOptions second;
+  second.stamp_ns = 1'000'000'000'000;
+  second.map_from_world = RandomFrame(seed);
+  world.Fly(kNewer, way, second);
+  const PlaceMatch match = world.TrueMatch(world.KeyframesOf(kNewer)[at], world.KeyframesOf(kOlder)[at]);
+  const WeldingOutcome plan = PlanWelding(world.atlas, match, options, {});
+  EXPECT_TRUE(plan.has_value());
+  merged = world.atlas;
+  if (plan) Carry(*plan, merged);
+}
+
 std::vector<KeyframeId> AllKeyframes(const SurveyedWorld& world) {
   std::vector<KeyframeId> all = world.KeyframesOf(kOlder);
   const std::vector<KeyframeId>& newer = world.KeyframesOf(kNewer);

@@ -21,6 +21,13 @@ SurveyedWorld TwoMaps(std::uint64_t seed, const SurveyOptions& newer = {}, const
 PlaceMatch MiddleMatch(const SurveyedWorld& world);
 std::vector<KeyframeId> AllKeyframes(const SurveyedWorld& world);
 
+// Two sessions that flew the same way, welded where both are at the keyframe `at` of it.
+struct WeldedFlights {
+  WeldedFlights(std::uint64_t seed, const std::vector<Rigid3d>& way, std::size_t at, const FusionOptions& options = {});
+  SurveyedWorld world;  // before
+  Atlas merged;
+};
+
 // What the owner of an atlas does with a plan. Fails the test where an edit of the correction does not fit.
 void Carry(const WeldingPlan& plan, Atlas& atlas);
 

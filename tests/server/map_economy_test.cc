@@ -15,23 +15,8 @@ using ::testing::IsEmpty;
 
 const MapId kMap{kOlder, 1};
 
-// Two sessions that flew the same way with many more keyframes than it needs, welded in the middle.
-struct FlownTwice {
-  explicit FlownTwice(std::uint64_t seed) : world(seed) {
-    world.Fly(kOlder, CirclePoses(0, 19, 80), {});
-    SurveyOptions second;
-    second.stamp_ns = 1'000'000'000'000;
-    second.map_from_world = RandomFrame(seed);
-    world.Fly(kNewer, CirclePoses(0, 19, 80), second);
-    const PlaceMatch match = world.TrueMatch(world.KeyframesOf(kNewer)[10], world.KeyframesOf(kOlder)[10]);
-    const WeldingOutcome plan = PlanWelding(world.atlas, match, {}, {});
-    EXPECT_TRUE(plan.has_value());
-    merged = world.atlas;
-    if (plan) Carry(*plan, merged);
-  }
-  SurveyedWorld world;
-  Atlas merged;
-};
+// With many more keyframes than the way needs, welded in the middle.
+WeldedFlights FlownTwice(std::uint64_t seed) { return {seed, CirclePoses(0, 19, 80), 10}; }
 
 Atlas Economized(const Atlas& atlas, const MapEconomy& economy) {
   Atlas after = atlas;
@@ -46,7 +31,7 @@ class Economy : public ::testing::TestWithParam<std::uint64_t> {};
 INSTANTIATE_TEST_SUITE_P(Seeds, Economy, ::testing::Range<std::uint64_t>(1, 4));
 
 TEST_P(Economy, OfAPlaceMappedTwiceMuchLessThanTwoMapsRemains) {
-  const FlownTwice flown(GetParam());
+  const WeldedFlights flown = FlownTwice(GetParam());
   const auto economy = EconomizeMap(flown.merged, kMap, {}, {}, {}, {});
   ASSERT_TRUE(economy.has_value());
   const Atlas after = Economized(flown.merged, *economy);
@@ -58,7 +43,7 @@ TEST_P(Economy, OfAPlaceMappedTwiceMuchLessThanTwoMapsRemains) {
 }
 
 TEST_P(Economy, WhatIsInUseStays) {
-  const FlownTwice flown(GetParam());
+  const WeldedFlights flown = FlownTwice(GetParam());
   const std::vector<KeyframeId>& all = flown.world.KeyframesOf(kNewer);
   const std::set<KeyframeId> in_use(all.begin(), all.end());
   const auto economy = EconomizeMap(flown.merged, kMap, in_use, {}, {}, {});
@@ -69,7 +54,7 @@ TEST_P(Economy, WhatIsInUseStays) {
 }
 
 TEST(EconomyOfAMap, AStopGivesNothing) {
-  const FlownTwice flown(1);
+  const WeldedFlights flown = FlownTwice(1);
   std::stop_source stop;
   stop.request_stop();
   EXPECT_FALSE(EconomizeMap(flown.merged, kMap, {}, {}, {}, stop.get_token()).has_value());

@@ -15,25 +15,12 @@ using ::testing::IsEmpty;
 
 const MapId kMap{kOlder, 1};
 
-// Two sessions that flew the same way, welded at one end of it by a small window.
-struct WeldedAtOneEnd {
-  explicit WeldedAtOneEnd(std::uint64_t seed) : world(seed) {
-    world.Fly(kOlder, CirclePoses(0, 16, 40), {});
-    SurveyOptions second;
-    second.stamp_ns = 1'000'000'000'000;
-    second.map_from_world = RandomFrame(seed);
-    world.Fly(kNewer, CirclePoses(0, 16, 40), second);
-    FusionOptions options;
-    options.window.keyframes = 5;
-    const PlaceMatch match = world.TrueMatch(world.KeyframesOf(kNewer)[2], world.KeyframesOf(kOlder)[2]);
-    const WeldingOutcome plan = PlanWelding(world.atlas, match, options, {});
-    EXPECT_TRUE(plan.has_value());
-    merged = world.atlas;
-    if (plan) Carry(*plan, merged);
-  }
-  SurveyedWorld world;
-  Atlas merged;
-};
+// Welded at one end of their way by a small window.
+WeldedFlights WeldedAtOneEnd(std::uint64_t seed) {
+  FusionOptions options;
+  options.window.keyframes = 5;
+  return {seed, CirclePoses(0, 16, 40), 2, options};
+}
 
 void Carry(const OptimizedMap& optimized, Atlas& atlas) {
   ServerDraft draft(atlas, 9);
@@ -47,7 +34,7 @@ class OptimizeMapTest : public ::testing::TestWithParam<std::uint64_t> {};
 INSTANTIATE_TEST_SUITE_P(Seeds, OptimizeMapTest, ::testing::Range<std::uint64_t>(1, 4));
 
 TEST_P(OptimizeMapTest, AWeldedMapIsAdjustedAndRidOfDuplicates) {
-  const WeldedAtOneEnd welded(GetParam());
+  const WeldedFlights welded = WeldedAtOneEnd(GetParam());
   const auto optimized = OptimizeMap(welded.merged, kMap, {}, {});
   ASSERT_TRUE(optimized.has_value());
   Atlas atlas = welded.merged;
@@ -58,7 +45,7 @@ TEST_P(OptimizeMapTest, AWeldedMapIsAdjustedAndRidOfDuplicates) {
 }
 
 TEST_P(OptimizeMapTest, OnAnAtlasThatMovedOnItLeavesItConsistent) {
-  const WeldedAtOneEnd welded(GetParam());
+  const WeldedFlights welded = WeldedAtOneEnd(GetParam());
   const auto optimized = OptimizeMap(welded.merged, kMap, {}, {});
   ASSERT_TRUE(optimized.has_value());
   Atlas atlas = welded.merged;
@@ -70,7 +57,7 @@ TEST_P(OptimizeMapTest, OnAnAtlasThatMovedOnItLeavesItConsistent) {
 }
 
 TEST(OptimizeOneMap, AStopGivesNothing) {
-  const WeldedAtOneEnd welded(1);
+  const WeldedFlights welded = WeldedAtOneEnd(1);
   std::stop_source stop;
   stop.request_stop();
   EXPECT_FALSE(OptimizeMap(welded.merged, kMap, {}, stop.get_token()).has_value());

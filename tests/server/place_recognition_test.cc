@@ -5,8 +5,8 @@
 #include <functional>
 #include <set>
 
-#include "common/place/vocabulary_file.h"
 #include "server/place_recognition/place_recognizer.h"
+#include "tests/server/read_vocabulary.h"
 #include "tests/server/surveyed_world.h"
 
 namespace pangaea::testing {
@@ -15,11 +15,6 @@ namespace {
 constexpr SessionId kFirst = 0xa;
 constexpr SessionId kSecond = 0xb;
 constexpr int kCircle = 36;  // poses of a whole round
-
-std::shared_ptr<const VocabularyTree> Vocabulary() {
-  static const auto vocabulary = OpenVocabulary().value();
-  return vocabulary;
-}
 
 Similarity3d SomeFrame(double scale) {
   return Similarity3d(scale, Eigen::Quaterniond(0.8, 0.1, -0.3, 0.5).normalized(), {3.0, -2.0, 1.0});

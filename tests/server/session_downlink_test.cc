@@ -37,6 +37,16 @@ MapInterest Interest(SessionId session, std::uint64_t applied, std::vector<Keyfr
   return {session, applied, M(1, session), K(1, session), std::move(guests)};
 }
 
+// After the merge at position 10, of which Bert's agent was not told yet.
+struct MergedForBert {
+  explicit MergedForBert(const GuestOptions& options = {}) : downlink(kBert, options) {
+    Merge(world, 10);
+    downlink.Take(Interest(kBert, 0));
+  }
+  SmallWorld world = TwoSessions();
+  SessionDownlink downlink;
+};
+
 std::vector<KeyframeId> Ids(const MapPiece& piece) {
   std::vector<KeyframeId> ids;
   for (const PieceKeyframe& keyframe : piece.keyframes) ids.push_back(keyframe.id);
@@ -53,10 +63,7 @@ TEST(SessionDownlink, AnAgentThatSaysNothingOrThatNothingConcernsGetsNothing) {
 }
 
 TEST(SessionDownlink, AfterAMergeTheAgentIsToldWhatBecameOfItsMapAndWhoItsGuestsAre) {
-  SmallWorld world = TwoSessions();
-  SessionDownlink downlink(kBert, {});
-  downlink.Take(Interest(kBert, 0));
-  Merge(world, 10);
+  auto [world, downlink] = MergedForBert();
   const auto correction = downlink.Next(View(world, 11, 10));
   ASSERT_TRUE(correction);
   EXPECT_EQ(correction->version, First(11));
@@ -73,10 +80,7 @@ TEST(SessionDownlink, AfterAMergeTheAgentIsToldWhatBecameOfItsMapAndWhoItsGuests
 }
 
 TEST(SessionDownlink, WhatComesUpWhileACorrectionIsUnderWayGoesIntoTheNextOne) {
-  SmallWorld world = TwoSessions();
-  SessionDownlink downlink(kBert, {.wanted = 0});
-  downlink.Take(Interest(kBert, 0));
-  Merge(world, 10);
+  auto [world, downlink] = MergedForBert({.wanted = 0});
   ASSERT_TRUE(downlink.Next(View(world, 10, 10)));
   world.Do(MoveKeyframes{{{K(2, kBert), MakePose(0.1, 1, 0, 0)}}, 12});
   EXPECT_FALSE(downlink.Next(View(world, 12, 12))) << "the last one was not applied yet";
@@ -91,10 +95,7 @@ TEST(SessionDownlink, WhatComesUpWhileACorrectionIsUnderWayGoesIntoTheNextOne) {
 }
 
 TEST(SessionDownlink, ACorrectionThatWasLostIsSaidAgain) {
-  SmallWorld world = TwoSessions();
-  SessionDownlink downlink(kBert, {});
-  downlink.Take(Interest(kBert, 0));
-  Merge(world, 10);
+  auto [world, downlink] = MergedForBert();
   const auto lost = downlink.Next(View(world, 10, 10));
   ASSERT_TRUE(lost);
   downlink.Forget();
@@ -125,10 +126,7 @@ TEST(SessionDownlink, LandmarksThatFollowTheirReferenceAreNotSaid) {
 }
 
 TEST(SessionDownlink, ALandmarkThatNoneOfItsKeyframesObservesAnyMoreIsSaidThoughOthersDo) {
-  SmallWorld world = TwoSessions();
-  SessionDownlink downlink(kBert, {.wanted = 0});
-  downlink.Take(Interest(kBert, 0));
-  Merge(world, 10);
+  auto [world, downlink] = MergedForBert({.wanted = 0});
   ASSERT_TRUE(downlink.Next(View(world, 10, 10)));
   downlink.Take(Interest(kBert, First(10)));
   world.Do(RemoveObservation{L(1), K(1, kBert)});
@@ -171,10 +169,7 @@ TEST(SessionDownlink, AnUndoneMergeTakesTheGuestsAndTheirLandmarksAway) {
 }
 
 TEST(SessionDownlink, NewGuestsComeAFewAtATimeAndThoseItHoldsWithoutTheirFeatures) {
-  SmallWorld world = TwoSessions();
-  Merge(world, 10);
-  SessionDownlink downlink(kBert, {.new_at_once = 1});
-  downlink.Take(Interest(kBert, 0));
+  auto [world, downlink] = MergedForBert({.new_at_once = 1});
   const auto first = downlink.Next(View(world, 10, 10));
   ASSERT_TRUE(first);
   std::vector<KeyframeId> guests;
@@ -192,10 +187,7 @@ TEST(SessionDownlink, NewGuestsComeAFewAtATimeAndThoseItHoldsWithoutTheirFeature
 }
 
 TEST(SessionDownlink, GuestsGoOnComingWhileNothingIsJournaled) {
-  SmallWorld world = TwoSessions();
-  Merge(world, 10);
-  SessionDownlink downlink(kBert, {.new_at_once = 1});
-  downlink.Take(Interest(kBert, 0));
+  auto [world, downlink] = MergedForBert({.new_at_once = 1});
   std::set<KeyframeId> guests;
   for (int i = 0; i < 3; ++i) {
     const auto correction = downlink.Next(View(world, 10, 10));
@@ -211,10 +203,7 @@ TEST(SessionDownlink, GuestsGoOnComingWhileNothingIsJournaled) {
 }
 
 TEST(SessionDownlink, AGuestThatTheAgentDoesNotKeepIsNotSentAgainUntilItsCameraMoves) {
-  SmallWorld world = TwoSessions();
-  Merge(world, 10);
-  SessionDownlink downlink(kBert, {.wanted = 1});
-  downlink.Take(Interest(kBert, 0));
+  auto [world, downlink] = MergedForBert({.wanted = 1});
   const auto first = downlink.Next(View(world, 10, 10));
   ASSERT_TRUE(first);
   downlink.Take(Interest(kBert, first->version));
@@ -327,10 +316,7 @@ TEST(SessionDownlink, OfWhatTheAgentHasForgottenItIsToldWhereItIsAlone) {
 }
 
 TEST(SessionDownlink, AGuestThatTheAgentForgotComesAgainOnlyWhenItIsAskedFor) {
-  SmallWorld world = TwoSessions();
-  Merge(world, 10);
-  SessionDownlink downlink(kBert, {});
-  downlink.Take(Interest(kBert, 0));
+  auto [world, downlink] = MergedForBert();
   ASSERT_TRUE(downlink.Next(View(world, 10, 10)));
   downlink.Take(Interest(kBert, First(10), {K(1), K(2), K(3)}));
   EXPECT_FALSE(downlink.Next(View(world, 11, 10)));
