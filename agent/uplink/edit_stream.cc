@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "common/map/map_edit.h"
-#include "common/wire/edit_packing.h"
 #include "common/wire/envelope.h"
 
 namespace pangaea {

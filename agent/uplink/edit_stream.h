@@ -12,13 +12,14 @@
 #include "agent/uplink/uplink_planner.h"
 #include "common/base/result.h"
 #include "common/map/atlas.h"
+#include "common/wire/edit_packing.h"
 
 namespace pangaea {
 
 struct EditStreamOptions {
   UplinkPlannerOptions planner;
   RetainedEditsOptions retained;
-  std::size_t envelope_bytes = 200'000;  // edits are split at about this size, at which DDS is fastest
+  std::size_t envelope_bytes = kEnvelopeBytes;  // edits are split at about this size
   // After so many repairs in a row of which the server took nothing, what is left is refused for good. The second and
   // the third of them send ever smaller envelopes, so that one bad edit does not take others with it.
   int fruitless_repairs = 3;

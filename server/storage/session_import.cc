@@ -12,9 +12,6 @@
 namespace pangaea {
 namespace {
 
-// As agents pack their envelopes.
-constexpr std::size_t kEnvelopeBytes = 200'000;
-
 Status Judge(std::span<const MapEdit> edits, SessionId session, Atlas& atlas) {
   for (const MapEdit& edit : edits) {
     if (!TouchesOnly(edit, session)) {
