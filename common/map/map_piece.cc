@@ -85,8 +85,9 @@ MapPiece CutPiece(const Atlas& atlas, const PieceSelection& selection) {
   }
   for (const KeyframeId id : selection.released) piece.culled.push_back({id, std::nullopt});
   std::ranges::sort(piece.culled, {}, &GoneKeyframe::id);
-  const auto equal = std::ranges::unique(piece.culled, {}, &GoneKeyframe::id);
-  piece.culled.erase(equal.begin(), equal.end());
+  // Not std::ranges::unique: clang 14 cannot read its result type in this standard library.
+  const auto same = [](const GoneKeyframe& a, const GoneKeyframe& b) { return a.id == b.id; };
+  piece.culled.erase(std::unique(piece.culled.begin(), piece.culled.end(), same), piece.culled.end());
   return piece;
 }
 
