@@ -97,8 +97,9 @@ class Atlas {
     SessionId session = 0;
     std::size_t keyframe_count = 0;
     std::size_t landmark_count = 0;
-    IdTable<KeyframeSlot, 16> keyframes;
-    IdTable<LandmarkSlot, 32> landmarks;
+    IdTable<KeyframeSlot, 16, 64> keyframes;
+    // Of a session that others mapped the same place with, few landmarks are left: small chunks.
+    IdTable<LandmarkSlot, 4, 512> landmarks;
   };
   struct MapTable {
     std::map<MapId, MapInfo> living;

@@ -11,7 +11,7 @@ namespace pangaea {
 
 // Slots addressed by the counter of an id, in chunks that copies of the table share until one of them writes. A write
 // after a copy costs one directory, one page and one chunk, whatever the number of slots.
-template <typename Slot, std::size_t kChunkSlots>
+template <typename Slot, std::size_t kChunkSlots, std::size_t kPageChunks>
 class IdTable {
  public:
   // nullptr where nothing was ever written nearby; else a slot, perhaps a default one.
@@ -48,7 +48,6 @@ class IdTable {
   }
 
  private:
-  static constexpr std::size_t kPageChunks = 64;
   static constexpr std::size_t kPageSlots = kPageChunks * kChunkSlots;
   using Chunk = std::array<Slot, kChunkSlots>;
   using Page = std::array<CopyOnWrite<Chunk>, kPageChunks>;
