@@ -1,5 +1,6 @@
 #include "server/ingest/ingest_round.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "common/map/map_edit.h"
@@ -15,6 +16,11 @@ std::string NameOf(const IngestSession& session) {
 }
 
 }  // namespace
+
+std::size_t IngestState::living() const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(sessions, [](const auto& entry) { return entry.second.alive(); }));
+}
 
 Status IngestOptions::Check() const {
   if (max_sessions >= 1) return {};

@@ -36,6 +36,8 @@ struct IngestState {
   std::uint64_t position = 0;    // of the newest journaled edit
   std::uint64_t correction = 0;  // of the newest edits of the server's own
   std::uint64_t refused = 0;     // messages nobody can be answered about: no session or number, or one session too many
+
+  std::size_t living() const;  // sessions whose agents run
 };
 
 struct IngestOptions {

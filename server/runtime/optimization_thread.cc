@@ -77,7 +77,10 @@ bool OptimizationThread::Work(const std::stop_token& stop) {
   }
   if (Economize(state->ingest, std::nullopt, stop)) return true;
   Tidy(state->ingest, stop);
-  ledger_.Write([&](WorkReport& report) { report.planned_version = state->ingest.atlas.version(); });
+  ledger_.Write([&](WorkReport& report) {
+    report.planned_version = state->ingest.atlas.version();
+    report.planned_living = state->ingest.living();
+  });
   return false;
 }
 
@@ -154,6 +157,7 @@ bool OptimizationThread::Economize(const IngestState& snapshot, std::optional<Ma
     const Stopwatch watch;
     const auto economy = EconomizeOne(snapshot.atlas, *map, in_use, stop);
     const bool taken = economy && (economy->empty() || Take(*economy));
+    ledger_.Write([](WorkReport& report) { report.economizing = false; });
     MutexLock lock(mutex_);
     if (!taken) {
       economy_agenda_.Cancel();
@@ -183,6 +187,7 @@ std::optional<MapEconomy> OptimizationThread::EconomizeOne(const Atlas& snapshot
                                                            const std::stop_token& stop) {
   std::stop_source running = Running();
   const std::stop_callback end(stop, [&running] { running.request_stop(); });
+  ledger_.Write([](WorkReport& report) { report.economizing = true; });
   auto economy = jobs_.economize(snapshot, map, in_use, running.get_token());
   if (running.stop_requested()) return std::nullopt;
   return economy;

@@ -116,9 +116,9 @@ json WeldsJson(const std::deque<WeldReport>& welds) {
 }
 
 // What the server does with maps by itself, beside what the rest of the status says.
-void AddWork(const ServerFacts::Work& work, std::uint64_t version, json& status) {
+void AddWork(const ServerFacts::Work& work, const IngestState& state, json& status) {
   const WorkReport& report = work.report;
-  status["under_way"] = report.IsUnderWay(version);
+  status["under_way"] = report.IsUnderWay(state.atlas.version(), state.living());
   status["welds"] = {{"merges", report.merges},
                      {"loops", report.loops},
                      {"refused", report.refused},
@@ -173,7 +173,7 @@ std::string StatusJson(const ServiceState& state, const ServerFacts& facts, Dige
               {"refused_messages", state.ingest.refused},
               {"memory_mib", ResidentMib()},
               {"versions", {{"server", PANGAEA_VERSION}, {"wire", kWireVersion}, {"store_schema", kStoreSchema}}}};
-  if (facts.work) AddWork(*facts.work, state.ingest.atlas.version(), status);
+  if (facts.work) AddWork(*facts.work, state.ingest, status);
   // Names come from the network: whatever is not UTF-8 is replaced, never thrown about.
   return status.dump(-1, ' ', false, json::error_handler_t::replace);
 }

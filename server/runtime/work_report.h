@@ -35,6 +35,8 @@ struct WorkReport {
 
   std::uint64_t looked_up_version = 0;  // of the atlas: all of its keyframes were looked up
   std::uint64_t planned_version = 0;    // of the atlas: its maps were judged whether they are due for optimisation
+  std::size_t planned_living = 0;       // sessions that lived then: what they work on is not made smaller
+  bool economizing = false;
   bool welding = false;
   std::size_t lookups_waiting = 0;
   std::size_t matches_waiting = 0;
@@ -63,7 +65,11 @@ struct WorkReport {
   // Whether something is under way that may change an atlas of this version.
   bool IsUnderWay(std::uint64_t version) const {
     return looked_up_version != version || planned_version != version || welding || matches_waiting > 0 ||
-           optimizations_waiting > 0 || optimizing.has_value();
+           optimizations_waiting > 0 || optimizing.has_value() || economizing;
+  }
+  // ... or that is due because other sessions live by now.
+  bool IsUnderWay(std::uint64_t version, std::size_t living) const {
+    return IsUnderWay(version) || planned_living != living;
   }
 
   void Remember(std::deque<WeldReport>& list, WeldReport report) {

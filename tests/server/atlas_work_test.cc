@@ -229,6 +229,18 @@ class OptimizationThreadTest : public ::testing::Test {
   std::optional<OptimizationThread> thread_;
 };
 
+TEST(WorkReportTest, SomethingIsUnderWayUntilAVersionAndASessionsEndWereLookedAt) {
+  WorkReport report;
+  report.looked_up_version = report.planned_version = 7;
+  report.planned_living = 2;
+  EXPECT_FALSE(report.IsUnderWay(7, 2));
+  EXPECT_TRUE(report.IsUnderWay(8, 2));
+  EXPECT_TRUE(report.IsUnderWay(7, 1)) << "what the session that ended worked on may be made smaller";
+  EXPECT_FALSE(report.IsUnderWay(7)) << "which no agent that still runs waits for";
+  report.economizing = true;
+  EXPECT_TRUE(report.IsUnderWay(7));
+}
+
 TEST_F(OptimizationThreadTest, WhatIsRedundantIsCulledOnceAsTheServersOwnEdit) {
   OptimizationThread& thread = Start(OptimizeNothing, [](const IngestState&, const std::stop_token&) {
     return std::vector<MapEdit>{RemoveLandmark{L(1)}, RemoveKeyframe{K(4711)}};
