@@ -15,7 +15,8 @@ namespace pangaea {
 
 using ArrivalTime = std::chrono::steady_clock::time_point;
 
-// What the atlas thread is asked for. What is asked for while it works on a round makes the next one, in the same order.
+// What the atlas thread is asked for. What is asked for while it works on a round makes the next one, in the same
+// order.
 struct InputJob {
   IngestInput input;
   ArrivalTime time;

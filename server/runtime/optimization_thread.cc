@@ -55,8 +55,9 @@ bool OptimizationThread::HoldsLoops(MapId map) const {
 void OptimizationThread::Run(const std::stop_token& stop) {
   StandBack(kNice);
   {
+    const auto state = service_.State();
     MutexLock lock(mutex_);
-    economy_agenda_.Recover(service_.State()->ingest.atlas);
+    economy_agenda_.Recover(state->ingest.atlas);
   }
   while (bell_.Wait(stop)) {
     bool worked = false;
