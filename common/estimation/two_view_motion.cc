@@ -27,6 +27,10 @@ constexpr double kJudgedParallax = 0.5;
 // Degrees between two directions of motion that count as the same one.
 constexpr double kSameDirection = 20.0;
 
+// Of the matches beside a plane that decide for one motion, another may explain at most this share: by chance, and
+// what is so close to the plane that it tells little.
+constexpr double kMaxRivalShare = 0.5;
+
 // A motion and the points that it explains.
 struct Hypothesis {
   Rigid3d second_from_first;
@@ -64,10 +68,11 @@ class Reconstructor {
     const bool planar = homography_score > options_.homography_ratio * (homography_score + essential_score);
     const auto of_plane = Choose(homography, DecomposeHomography);
     const auto of_depth = Choose(essential, DecomposeEssentialMatrix);
-    const auto& best = planar ? of_plane : of_depth;
+    const bool has_depth = !planar || (of_depth && IsDecidedBesidePlane(*homography, *essential, *of_depth));
+    const auto& best = has_depth ? of_depth : of_plane;
     if (!best) return tl::make_unexpected(best.error());
     // With little depth in the scene each of the two may have found the mirrored motion.
-    if (planar && of_depth && !Agree(*of_plane, *of_depth)) return tl::make_unexpected(TwoViewRefusal::kAmbiguous);
+    if (!has_depth && of_depth && !Agree(*of_plane, *of_depth)) return tl::make_unexpected(TwoViewRefusal::kAmbiguous);
     return Adjust(*best, planar);
   }
 
@@ -79,11 +84,38 @@ class Reconstructor {
     return ChooseMotion(decompose(model->matrix), model->inliers);
   }
 
-  bool Agree(const Hypothesis& a, const Hypothesis& b) const {
-    const auto direction = [](const Hypothesis& hypothesis) -> Eigen::Vector3d {
-      return hypothesis.second_from_first.Inverse().translation();
+  // A plane leaves two motions possible, but what stands before or behind it fits only the true one. Whether enough of
+  // it is seen to decide for the motion of the essential matrix, which then must be one of the two: along a plane
+  // alone an essential matrix may show any motion.
+  bool IsDecidedBesidePlane(const TwoViewModel& homography, const TwoViewModel& essential,
+                            const Hypothesis& of_depth) const {
+    std::vector<std::uint8_t> beside = essential.inliers;
+    for (std::size_t i = 0; i < beside.size(); ++i) {
+      if (homography.inliers[i] != 0) beside[i] = 0;
+    }
+    const auto explained = [&](const Rigid3d& motion) {
+      return static_cast<double>(Triangulate(motion, beside).explained);
     };
-    return kDegrees * ParallaxAngle(direction(a), direction(b)) <= kSameDirection ||
+    const double decisive = explained(of_depth.second_from_first);
+    const double share = options_.min_beside_plane_share * static_cast<double>(matches_.size());
+    if (decisive < std::max(static_cast<double>(options_.min_beside_plane), share)) return false;
+    bool is_of_plane = false;
+    for (const Rigid3d& motion : DecomposeHomography(homography.matrix)) {
+      if (HaveSameDirection(motion, of_depth.second_from_first)) {
+        is_of_plane = true;
+      } else if (explained(motion) > kMaxRivalShare * decisive) {
+        return false;
+      }
+    }
+    return is_of_plane;
+  }
+
+  static bool HaveSameDirection(const Rigid3d& a, const Rigid3d& b) {
+    return kDegrees * ParallaxAngle(a.Inverse().translation(), b.Inverse().translation()) <= kSameDirection;
+  }
+
+  bool Agree(const Hypothesis& a, const Hypothesis& b) const {
+    return HaveSameDirection(a.second_from_first, b.second_from_first) ||
            static_cast<double>(b.explained) < options_.max_runner_up * static_cast<double>(a.explained);
   }
 
@@ -185,6 +217,9 @@ Status TwoViewOptions::Check() const {
   if (!(min_parallax > 0.0 && min_parallax < 45.0)) return refuse("min_parallax must be in (0, 45) degrees");
   if (min_points < kMinMatches) return refuse("min_points must be >= 16");
   if (!(min_point_share >= 0.0 && min_point_share <= 1.0)) return refuse("min_point_share must be in [0, 1]");
+  if (min_beside_plane < 1) return refuse("min_beside_plane must be >= 1");
+  if (!(min_beside_plane_share >= 0.0 && min_beside_plane_share <= 1.0))
+    return refuse("min_beside_plane_share must be in [0, 1]");
   if (!(max_runner_up > 0.0 && max_runner_up <= 1.0)) return refuse("max_runner_up must be in (0, 1]");
   if (iterations < 1 || iterations_without_outliers < 0)
     return refuse("iterations must be >= 1, those without outliers >= 0");

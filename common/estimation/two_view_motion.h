@@ -24,6 +24,10 @@ struct TwoViewOptions {
   // Of the motions that a model leaves possible the second best may explain at most this share of the best one's
   // points: otherwise it is not clear which one is true.
   double max_runner_up = 0.75;
+  // So many matches beside the plane of a homography (count), and this share of all, decide which of its motions is the
+  // true one. Noise alone leaves up to 6 % beside it.
+  int min_beside_plane = 20;
+  double min_beside_plane_share = 0.06;
   // Steps of bundle adjustment over both views, with the robust kernel and then without it and without outliers.
   int iterations = 10;
   int iterations_without_outliers = 10;
@@ -42,7 +46,7 @@ struct TwoViewReconstruction {
   Rigid3d second_from_first;
   std::vector<TwoViewPoint> points;  // ascending by match; inliers of both views, in front of both
   double median_parallax = 0.0;      // of the points, degrees
-  bool planar = false;               // the homography was taken
+  bool planar = false;               // the homography explains nearly all
 };
 
 // Why there is no reconstruction (yet).
@@ -56,7 +60,8 @@ enum class TwoViewRefusal {
 const char* ToString(TwoViewRefusal refusal);
 
 // Motion and structure from two views of one camera without any first guess: homography and essential matrix compete,
-// the better one's motions are tried, the winner is adjusted on both views. The scale is such that the median depth of
+// the better one's motions are tried, the winner is adjusted on both views. Matches beside a plane help to choose among
+// the motions that it leaves possible. The scale is such that the median depth of
 // the points in the first camera is 1. The same seed gives the same answer.
 tl::expected<TwoViewReconstruction, TwoViewRefusal> ReconstructFromTwoViews(const IdealCamera& camera,
                                                                             std::span<const PixelMatch> matches,
