@@ -95,7 +95,7 @@ void InsertKeyframes(const MapPiece& piece, MapId host, AbsorptionDraft& draft) 
   }
 }
 
-std::vector<MapEdit> PlanAbsorption(const Atlas& atlas, const AbsorptionInput& input) {
+Absorption PlanAbsorption(const Atlas& atlas, const AbsorptionInput& input) {
   AbsorptionDraft draft(atlas, input);
   for (const MapPiece& piece : input.pieces) {
     MapId host = JoinMaps(piece, draft);
@@ -105,7 +105,7 @@ std::vector<MapEdit> PlanAbsorption(const Atlas& atlas, const AbsorptionInput& i
     InsertKeyframes(piece, host, draft);
     AbsorbLandmarks(piece, draft);
   }
-  return draft.Take();
+  return std::move(draft).Take();
 }
 
 bool IsReadOnly(const Keyframe& keyframe, SessionId session) {

@@ -21,6 +21,11 @@ struct AbsorptionInput {
   std::span<const MapPiece> pieces;
 };
 
+struct Absorption {
+  std::vector<MapEdit> edits;  // each valid after those before it
+  Atlas after;                 // all of them applied
+};
+
 // The edits by which an atlas of the agent (its own, or one of what the server has) takes in what the server says:
 //  - maps that the server joined are joined, and all poses move into the frame of the server's map;
 //  - keyframes that a correction has placed take the server's pose and are the server's from then on; others that moved
@@ -30,11 +35,10 @@ struct AbsorptionInput {
 //    changed that since; what the server removed goes;
 //  - keyframes that were forgotten here and that the piece brings are as before;
 //  - keyframes and landmarks that are new here (guests) hang below a keyframe of the session. Where the session has
-//  none
-//    in that map, they make a map of their own, under the server's id.
+//    none in that map, they make a map of their own, under the server's id.
 // Guests and what the server has placed are read-only to local mapping: see IsReadOnly. What does not fit the atlas
-// any more is left out. Each edit is valid after those before it.
-std::vector<MapEdit> PlanAbsorption(const Atlas& atlas, const AbsorptionInput& input);
+// any more is left out.
+Absorption PlanAbsorption(const Atlas& atlas, const AbsorptionInput& input);
 
 // The move that brings a landmark exactly there; none for a point that no edit can carry.
 std::optional<MovedLandmark> MeasureLandmark(const Atlas& atlas, const Landmark& landmark,

@@ -20,7 +20,7 @@ class AbsorptionDraft {
 
   // False, and left out, where the edit does not fit.
   bool Emit(MapEdit edit);
-  std::vector<MapEdit> Take() { return std::move(edits_); }
+  Absorption Take() && { return {std::move(edits_), std::move(atlas_)}; }
 
  private:
   const AbsorptionInput& input_;

@@ -1,5 +1,7 @@
 #include "agent/mapping/local_mapper.h"
 
+#include <algorithm>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -95,7 +97,9 @@ void LocalMapper::CloseMap(MapId map) {
 
 void LocalMapper::Absorb(const AgentCorrection& correction, const Atlas& base) {
   const AbsorptionInput input{session_, correction.version, base, correction.pieces};
-  Commit(PlanAbsorption(atlas_, input));
+  Absorption absorption = PlanAbsorption(atlas_, input);
+  atlas_ = std::move(absorption.after);
+  std::move(absorption.edits.begin(), absorption.edits.end(), std::back_inserter(pending_edits_));
 }
 
 std::vector<ForgottenKeyframe> LocalMapper::Forget(std::span<const KeyframeId> keyframes) {

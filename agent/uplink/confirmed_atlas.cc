@@ -97,7 +97,7 @@ bool ConfirmedAtlas::Absorb(const AgentCorrection& correction) {
   const auto base = At(correction.acknowledged);
   if (!base) return false;
   const AbsorptionInput input{correction.session, correction.version, *base, correction.pieces};
-  ApplyWhatFits(PlanAbsorption(*base, input), base_);
+  base_ = PlanAbsorption(*base, input).after;
   corrected_ = true;
   atlas_ = base_;
   for (const Taken& taken : recent_) Replay(taken, atlas_);

@@ -77,7 +77,7 @@ class Correspondence {
     const auto base = stream.BaseOf(correction);
     if (!base) return;
     const AbsorptionInput input{kSession, correction.version, *base, correction.pieces};
-    for (const MapEdit& edit : PlanAbsorption(agent.atlas(), input)) {
+    for (const MapEdit& edit : PlanAbsorption(agent.atlas(), input).edits) {
       const auto* added = std::get_if<AddKeyframe>(&edit);
       recalled += added != nullptr && agent.atlas().FindKeyframe(added->id) != nullptr ? 1 : 0;
       agent.Do(edit);
