@@ -14,6 +14,7 @@
 #include "agent/runtime/forgetting_advice.h"
 #include "agent/runtime/spill_file.h"
 #include "agent/runtime/uplink_endpoints.h"
+#include "agent/uplink/envelope_sender.h"
 #include "common/base/bounded_queue.h"
 #include "common/base/mutex.h"
 #include "common/dds/waiter.h"
@@ -25,8 +26,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// After a write that peers did not take: what it blocked for, once more.
-constexpr std::chrono::milliseconds kWriteRetry{200};
 // How long the announcement of the end may take to reach the server.
 constexpr std::chrono::milliseconds kGoodbye{500};
 
@@ -55,6 +54,7 @@ class UplinkLoop final : public UplinkThread {
         spill_(options_.spill_path),
         stream_(session_.session, options_.edits, &spill_),
         advice_(session_.session, options_.memory),
+        sender_([this](const Envelope& envelope) { return endpoints_.edits.Write(envelope); }, &Clock::now),
         waiter_(std::move(waiter)) {}
   ~UplinkLoop() override { Stop(); }
 
@@ -138,7 +138,7 @@ class UplinkLoop final : public UplinkThread {
       stream_.retained().OnTime(Clock::now());
       Continue();
       downlink_.Offer(stream_);
-      SendWhatFits();
+      NoteFailure(sender_.Send(stream_.retained()));
       FinishFlush();
       PublishCounters();
     }
@@ -148,7 +148,7 @@ class UplinkLoop final : public UplinkThread {
   std::optional<Clock::time_point> NextDeadline() const {
     std::optional<Clock::time_point> wake = stream_.retained().deadline();
     const auto sooner = [&](Clock::time_point time) { wake = wake ? std::min(*wake, time) : time; };
-    if (retry_) sooner(*retry_);
+    if (const auto retry = sender_.deadline()) sooner(*retry);
     if (flush_) sooner(flush_->deadline);
     return wake;
   }
@@ -192,7 +192,7 @@ class UplinkLoop final : public UplinkThread {
       local_.last_error = "the server rejected envelope " + std::to_string(rejection.sequence) + ": " + rejection.text;
       if (local_.rejections++ == 0) spdlog::warn("{}; what it lacks is sent anew", local_.last_error);
     }
-    retry_.reset();
+    sender_.EndPause();
   }
 
   void Continue() {
@@ -209,32 +209,12 @@ class UplinkLoop final : public UplinkThread {
     if (!local_.server_present) downlink_.OnServerLost();
     if (!local_.server_present && was_present) spdlog::warn("lost the server; edits are kept until it is back");
     local_.server_seen = local_.server_seen || local_.server_present;
-    retry_.reset();
+    sender_.EndPause();
   }
 
   void Handle(HurryRequest&) { hurried_ = true; }
 
   void Handle(StopRequest&) { stopping_ = true; }
-
-  void SendWhatFits() {
-    if (retry_ && Clock::now() < *retry_) return;
-    retry_.reset();
-    while (!stopping_) {
-      const auto envelope = stream_.retained().NextToSend();
-      if (!envelope) return Retry(envelope.error());
-      if (!envelope->has_value()) return;
-      const Status status = endpoints_.edits.Write(**envelope);
-      if (!status) return Retry(status.error());
-      stream_.retained().OnSent((*envelope)->sequence, Clock::now());
-      ++local_.envelopes_sent;
-      local_.bytes_sent += (*envelope)->edits.size();
-    }
-  }
-
-  void Retry(const Error& error) {
-    local_.last_error = error.message;
-    retry_ = Clock::now() + kWriteRetry;
-  }
 
   void NoteFailure(const Status& status) {
     if (!status) local_.last_error = status.error().message;
@@ -261,10 +241,8 @@ class UplinkLoop final : public UplinkThread {
   // Writes what the server may not have into the spill file.
   tl::unexpected<Error> Unsent(const std::string& when) {
     Status spilled = stream_.PlanRest();
-    stream_.retained().ForEachInMemory([&](const Envelope& envelope) {
-      if (spilled) spilled = spill_.Append(envelope);
-    });
-    const RetainedEdits& retained = stream_.retained();
+    RetainedEdits& retained = stream_.retained();
+    if (spilled) spilled = retained.SpillAll();
     const std::uint64_t count = retained.last_sequence() - retained.acknowledged();
     std::string message = "the server did not acknowledge " + std::to_string(count) + " envelopes " + when;
     message += spilled ? "; they are in " + spill_.path().string() : "; " + spilled.error().message;
@@ -288,6 +266,8 @@ class UplinkLoop final : public UplinkThread {
 
   void PublishCounters() EXCLUDES(counters_mutex_) {
     const RetainedEdits& retained = stream_.retained();
+    local_.envelopes_sent = sender_.envelopes();
+    local_.bytes_sent = sender_.bytes();
     local_.last_sequence = retained.last_sequence();
     local_.acknowledged = retained.acknowledged();
     local_.resends = retained.resends();
@@ -306,8 +286,8 @@ class UplinkLoop final : public UplinkThread {
   EditStream stream_;
   Downlink downlink_;
   ForgettingAdvice advice_;
+  EnvelopeSender sender_;
   std::optional<FlushRequest> flush_;
-  std::optional<Clock::time_point> retry_;
   UplinkCounters local_;
   bool told_refused_ = false;
   bool hurried_ = false;

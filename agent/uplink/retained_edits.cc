@@ -38,6 +38,17 @@ Result<Envelope> RetainedEdits::Find(std::uint64_t sequence) {
   return spill_->Read(sequence);
 }
 
+Status RetainedEdits::SpillAll() {
+  PANGAEA_CHECK(spill_ != nullptr);
+  for (Slot& slot : slots_) {
+    if (!slot.envelope) continue;
+    if (Status status = spill_->Append(*slot.envelope); !status) return status;
+    slot.envelope.reset();
+    memory_bytes_ -= slot.bytes;
+  }
+  return {};
+}
+
 Result<std::optional<Envelope>> RetainedEdits::NextToSend() {
   if (!server_present_ || sent_ == last_) return std::optional<Envelope>();
   const Slot& slot = SlotOf(sent_ + 1);

@@ -64,13 +64,8 @@ class RetainedEdits {
   // When OnTime should be called next; none while nothing is in flight.
   std::optional<Time> deadline() const { return deadline_; }
 
-  // Those not acknowledged that are in memory, ascending: to be spilled at the end.
-  template <typename Visit>
-  void ForEachInMemory(Visit visit) const {
-    for (const Slot& slot : slots_) {
-      if (slot.envelope) visit(*slot.envelope);
-    }
-  }
+  // Moves those not acknowledged from memory into the spill sink, of which there must be one: at the end.
+  Status SpillAll();
 
   std::uint64_t acknowledged() const { return acked_; }
   std::uint64_t last_sequence() const { return last_; }

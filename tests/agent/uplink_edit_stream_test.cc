@@ -8,6 +8,7 @@
 #include "common/map/consistency.h"
 #include "common/map/digest.h"
 #include "common/map/map_edit.h"
+#include "tests/agent/spill_map.h"
 #include "tests/agent/uplink_random_history.h"
 
 namespace pangaea {
@@ -90,7 +91,7 @@ Atlas Adopted(const RandomHistory& agent, const EditStream& stream) {
   return atlas;
 }
 
-class EditStreamHistory : public testing::TestWithParam<std::uint64_t> {};
+class EditStreamHistory : public ::testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(EditStreamHistory, WhateverTheServerRejectsAtRandomAfterAFlushTheDigestsAgree) {
   std::mt19937_64 random(GetParam());
@@ -135,7 +136,7 @@ TEST_P(EditStreamHistory, WhatTheServerRefusesForGoodIsGivenUpAndTheRestArrives)
   EXPECT_LT(stream.repairs(), 10U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, EditStreamHistory, testing::Range<std::uint64_t>(1, 31));
+INSTANTIATE_TEST_SUITE_P(Seeds, EditStreamHistory, ::testing::Range<std::uint64_t>(1, 31));
 
 TEST(EditStream, WithoutRejectionsNothingIsRepaired) {
   std::mt19937_64 random(1);
@@ -184,13 +185,16 @@ TEST(EditStream, ARepairBeforeTheEndPutsWhatIsMissingBehindWhatIsNotAnswered) {
   ModelServer server([&](const auto&) { return left-- > 0; });
   RandomHistory agent(4);
   for (int step = 0; step < 600; ++step) agent.Step();
-  EditStream stream(RandomHistory::kSession, Options(), nullptr);
+  testing::SpillMap spill;
+  EditStream stream(RandomHistory::kSession, Options(), &spill);
   ASSERT_TRUE(stream.Take(SnapshotOf(agent.atlas()), agent.Take(), PlanKind::kFlush));
   Exchange(stream, server, 1);  // the first, rejected
   ASSERT_FALSE(stream.retained().all_acknowledged());
   ASSERT_TRUE(stream.PlanRest());
+  ASSERT_TRUE(stream.retained().SpillAll());
+  EXPECT_EQ(stream.retained().memory_bytes(), 0U);
   // Who reads the spill file later sends all of it, in order.
-  stream.retained().ForEachInMemory([&](const Envelope& envelope) { server.Take(envelope); });
+  for (const auto& [sequence, envelope] : spill.envelopes) server.Take(envelope);
   EXPECT_EQ(Digest(server.atlas), Digest(Adopted(agent, stream)));
 }
 

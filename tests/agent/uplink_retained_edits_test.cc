@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <deque>
-#include <map>
 #include <random>
 
 #include "agent/uplink/retained_edits.h"
+#include "tests/agent/spill_map.h"
 
 namespace pangaea {
 namespace {
@@ -22,23 +22,7 @@ Envelope EnvelopeOf(std::uint64_t sequence, std::size_t bytes = 100) {
   return envelope;
 }
 
-class SpillMap final : public SpillSink {
- public:
-  Status Append(const Envelope& envelope) override {
-    if (full) return Fail(ErrorCode::kUnavailable, "the disk is full");
-    envelopes[envelope.sequence] = envelope;
-    return {};
-  }
-  Result<Envelope> Read(std::uint64_t sequence) override {
-    const auto found = envelopes.find(sequence);
-    if (found == envelopes.end()) return Fail(ErrorCode::kNotFound, "no such envelope");
-    return found->second;
-  }
-  void Discard(std::uint64_t sequence) override { envelopes.erase(envelopes.begin(), envelopes.upper_bound(sequence)); }
-
-  std::map<std::uint64_t, Envelope> envelopes;
-  bool full = false;
-};
+using testing::SpillMap;
 
 std::uint64_t SendAll(RetainedEdits& retained, Time now) {
   std::uint64_t count = 0;
@@ -165,7 +149,7 @@ struct ModelServer {
   }
 };
 
-class RetainedEditsOnABadLink : public testing::TestWithParam<std::uint64_t> {};
+class RetainedEditsOnABadLink : public ::testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(RetainedEditsOnABadLink, TheServerGetsEachSequenceOnceAndInOrder) {
   std::mt19937_64 random(GetParam());
@@ -217,7 +201,7 @@ TEST_P(RetainedEditsOnABadLink, TheServerGetsEachSequenceOnceAndInOrder) {
   for (std::uint64_t i = 0; i < kCount; ++i) EXPECT_EQ(server.durable[i], i + 1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, RetainedEditsOnABadLink, testing::Range<std::uint64_t>(1, 51));
+INSTANTIATE_TEST_SUITE_P(Seeds, RetainedEditsOnABadLink, ::testing::Range<std::uint64_t>(1, 51));
 
 }  // namespace
 }  // namespace pangaea
