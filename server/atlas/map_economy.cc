@@ -7,7 +7,6 @@
 #include "common/base/range_check.h"
 #include "common/map/covisibility.h"
 #include "common/map/map_edit.h"
-#include "common/map/spanning_tree.h"
 
 namespace pangaea {
 namespace {
@@ -47,9 +46,11 @@ std::set<KeyframeId> KeyframesInUse(const IngestState& state, const InUseOptions
 
 std::optional<MapEconomy> EconomizeMap(const Atlas& snapshot, MapId map, const std::set<KeyframeId>& in_use,
                                        const EconomyOptions& options, const RedundancyOptions& redundancy,
-                                       const std::stop_token& stop) {
-  MapFusion fusion = FuseDuplicates(snapshot, map, ParentsFirst(snapshot, map), options.fusion, stop);
+                                       const LookedAtMap& before, const std::stop_token& stop) {
+  MapFusion fusion = FuseDuplicates(snapshot, map, options.fusion, before, stop);
   Atlas draft = std::move(fusion.after);
+  // These go through the whole map each time: what is weakest or most redundant is so compared with all others. That
+  // takes a small part of what a look for duplicates at everything takes.
   std::vector<MapEdit> landmarks = PlanThinning(draft, map, in_use, options.thinning, stop);
   ApplyAll(landmarks, draft);
   std::vector<MapEdit> keyframes = PlanKeyframeCulling(draft, map, in_use, redundancy, stop);
@@ -63,6 +64,7 @@ std::optional<MapEconomy> EconomizeMap(const Atlas& snapshot, MapId map, const s
                      .after = std::move(draft)};
   economy.changes.joins = std::move(fusion.edits);
   economy.changes.corrections.push_back(std::move(fusion.correction));
+  economy.changes.looked_at = std::move(fusion.looked_at);
   Append(std::move(landmarks), economy.changes.removals);
   Append(std::move(keyframes), economy.changes.removals);
   return economy;

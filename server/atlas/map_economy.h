@@ -54,11 +54,11 @@ struct MapEconomy {
 };
 
 // Makes one landmark of those that are one, removes weak landmarks where there are enough others, then the keyframes
-// that say nothing new. For a map that was adjusted as a whole; it wants to be adjusted once more afterwards. A stop
-// gives nothing.
+// that say nothing new. Duplicates are looked for where the map has changed since the looks that `before` tells of. For
+// a map that was adjusted as a whole; it wants to be adjusted once more afterwards. A stop gives nothing.
 std::optional<MapEconomy> EconomizeMap(const Atlas& snapshot, MapId map, const std::set<KeyframeId>& in_use,
                                        const EconomyOptions& options, const RedundancyOptions& redundancy,
-                                       const std::stop_token& stop);
+                                       const LookedAtMap& before, const std::stop_token& stop);
 
 // One line for people.
 std::string Describe(const MapEconomy& economy);

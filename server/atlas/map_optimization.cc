@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "common/map/spanning_tree.h"
-
 namespace pangaea {
 
 Status MapOptimizationOptions::Check() const {
@@ -12,8 +10,9 @@ Status MapOptimizationOptions::Check() const {
 }
 
 std::optional<MapOptimization> OptimizeMap(const Atlas& snapshot, MapId map, const MapOptimizationOptions& options,
-                                           const std::stop_token& stop, const std::function<bool()>& out_of_time) {
-  MapFusion fusion = FuseDuplicates(snapshot, map, ParentsFirst(snapshot, map), options.fusion, stop);
+                                           const LookedAtMap& before, const std::stop_token& stop,
+                                           const std::function<bool()>& out_of_time) {
+  MapFusion fusion = FuseDuplicates(snapshot, map, options.fusion, before, stop);
   auto bundle = AdjustMap(fusion.after, map, options.bundle, stop, out_of_time);
   if (!bundle) return std::nullopt;
   MapOptimization result;
@@ -21,6 +20,7 @@ std::optional<MapOptimization> OptimizeMap(const Atlas& snapshot, MapId map, con
   result.optimized.joins = std::move(fusion.edits);
   result.optimized.corrections.push_back(std::move(fusion.correction));
   result.optimized.corrections.push_back(std::move(bundle->correction));
+  result.optimized.looked_at = std::move(fusion.looked_at);
   result.optimized.removals = std::move(bundle->removals);
   result.bundle = std::move(*bundle);
   return result;

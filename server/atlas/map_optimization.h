@@ -24,9 +24,11 @@ struct MapOptimization {
   GlobalBundle bundle;    // its correction and removals are part of `optimized`
 };
 
-// Looks for duplicates all along a map, and then adjusts it as a whole. Nothing where a stop was requested, or where
-// there is too little to adjust. `out_of_time`: see AdjustMap.
+// Looks for duplicates all along a map, as far as it has changed since the looks that `before` tells of, and then
+// adjusts it as a whole. Nothing where a stop was requested, or where there is too little to adjust. `out_of_time`: see
+// AdjustMap.
 std::optional<MapOptimization> OptimizeMap(const Atlas& snapshot, MapId map, const MapOptimizationOptions& options,
-                                           const std::stop_token& stop, const std::function<bool()>& out_of_time = {});
+                                           const LookedAtMap& before, const std::stop_token& stop,
+                                           const std::function<bool()>& out_of_time = {});
 
 }  // namespace pangaea

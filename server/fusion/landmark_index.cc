@@ -39,36 +39,61 @@ std::array<std::int64_t, 3> CubeOf(const Eigen::Vector3d& point_in_map, double e
   return cube;
 }
 
-}  // namespace
-
-LandmarkIndex::LandmarkIndex(const Atlas& atlas, MapId map, double edge) : reach_(edge * std::sqrt(0.75)) {
-  std::map<std::array<std::int64_t, 3>, std::size_t> places;
+std::vector<PlacedLandmark> LandmarksOf(const Atlas& atlas, MapId map) {
+  std::vector<PlacedLandmark> landmarks;
   atlas.ForEachLandmark([&](const Landmark& landmark) {
-    if (atlas.MapOf(landmark) != map) return;
-    const auto cube = CubeOf(landmark.point_in_map, edge);
-    const auto [place, fresh] = places.try_emplace(cube, cubes_.size());
-    if (fresh) {
-      const Eigen::Vector3d corner(static_cast<double>(cube[0]), static_cast<double>(cube[1]),
-                                   static_cast<double>(cube[2]));
-      cubes_.push_back({edge * (corner + Eigen::Vector3d::Constant(0.5)), {}});
-    }
-    cubes_[place->second].landmarks.push_back({landmark.id, landmark.point_in_map});
+    if (atlas.MapOf(landmark) == map) landmarks.push_back({landmark.id, landmark.point_in_map});
   });
+  return landmarks;
 }
 
-std::vector<LandmarkId> LandmarkIndex::InView(const Viewpoint& viewpoint) const {
+}  // namespace
+
+LandmarkIndex::LandmarkIndex(const Atlas& atlas, MapId map, double edge)
+    : LandmarkIndex(LandmarksOf(atlas, map), edge) {}
+
+LandmarkIndex::LandmarkIndex(const std::vector<PlacedLandmark>& landmarks, double edge)
+    : reach_(edge * std::sqrt(0.75)) {
+  std::map<std::array<std::int64_t, 3>, std::vector<PlacedLandmark>> cubes;
+  for (const PlacedLandmark& landmark : landmarks) cubes[CubeOf(landmark.point_in_map, edge)].push_back(landmark);
+  landmarks_.reserve(landmarks.size());
+  for (const auto& [cube, inside] : cubes) {
+    landmarks_.insert(landmarks_.end(), inside.begin(), inside.end());
+    const Eigen::Vector3d corner(static_cast<double>(cube[0]), static_cast<double>(cube[1]),
+                                 static_cast<double>(cube[2]));
+    cubes_.push_back({edge * (corner + Eigen::Vector3d::Constant(0.5)), landmarks_.size()});
+  }
+}
+
+template <typename Visit>
+void LandmarkIndex::VisitInView(const Viewpoint& viewpoint, const Visit& visit) const {
   const ViewPyramid pyramid(viewpoint.camera);
   const Eigen::Matrix3d rotation = viewpoint.camera_from_map.rotation().toRotationMatrix();
   const Eigen::Vector3d translation = viewpoint.camera_from_map.translation();
-  LandmarkIdSet seen;
+  std::size_t place = 0;
   for (const Cube& cube : cubes_) {
-    if (!pyramid.Touches(rotation * cube.center_in_map + translation, reach_)) continue;
-    for (const Entry& entry : cube.landmarks) {
-      const Eigen::Vector3d point = rotation * entry.point_in_map + translation;
-      if (point.z() > 0.0 && viewpoint.camera.Contains(viewpoint.camera.Project(point))) seen.Insert(entry.id);
+    if (!pyramid.Touches(rotation * cube.center_in_map + translation, reach_)) place = cube.end;
+    for (; place < cube.end; ++place) {
+      const Eigen::Vector3d point = rotation * landmarks_[place].point_in_map + translation;
+      if (point.z() <= 0.0) continue;
+      const Eigen::Vector2d pixel = viewpoint.camera.Project(point);
+      if (viewpoint.camera.Contains(pixel)) visit(place, pixel);
     }
   }
+}
+
+std::vector<LandmarkId> LandmarkIndex::InView(const Viewpoint& viewpoint) const {
+  LandmarkIdSet seen;
+  VisitInView(viewpoint, [&](std::size_t place, const Eigen::Vector2d&) { seen.Insert(landmarks_[place].id); });
   return seen.Ascending();
+}
+
+std::vector<PlaceInView> LandmarkIndex::PlacesInView(const Viewpoint& viewpoint) const {
+  std::vector<PlaceInView> places;
+  VisitInView(viewpoint, [&places](std::size_t place, const Eigen::Vector2d& pixel) {
+    places.push_back({static_cast<std::uint32_t>(place), pixel});
+  });
+  return places;
 }
 
 }  // namespace pangaea

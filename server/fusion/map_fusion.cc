@@ -1,12 +1,71 @@
 #include "server/fusion/map_fusion.h"
 
+#include <utility>
+
 #include "common/base/range_check.h"
+#include "common/map/id_set.h"
+#include "common/map/spanning_tree.h"
 #include "server/fusion/duplicate_fusion.h"
 #include "server/fusion/landmark_index.h"
+#include "server/fusion/look_plan.h"
 #include "server/fusion/welding_draft.h"
 #include "server/optimization/median_depth.h"
 
 namespace pangaea {
+namespace {
+
+class MapLook {
+ public:
+  MapLook(const Atlas& snapshot, MapId map, const MapFusionOptions& options)
+      : map_(map), draft_(snapshot), fusion_({}, options.search, draft_) {}
+
+  // Does nothing where the keyframe is not of the map.
+  void SearchIn(KeyframeId id, const LandmarkIndex& landmarks) {
+    const Keyframe* keyframe = draft_.welded().FindKeyframe(id);
+    if (keyframe == nullptr || keyframe->map != map_) return;
+    const std::vector<LandmarkId> wanted = landmarks.InView(Viewpoint(*keyframe));
+    if (wanted.empty()) return;
+    looks_ += wanted.size();
+    fusion_.SearchIn(id, wanted);
+  }
+
+  MapFusion Finish() && {
+    MapFusion result{.edits = draft_.edits(),
+                     .correction = draft_.Moves(map_),
+                     .after = draft_.welded(),
+                     .looked_at = {},
+                     .looks = looks_};
+    for (const MapEdit& edit : result.edits) {
+      result.fused += std::holds_alternative<FuseLandmarks>(edit) ? 1 : 0;
+      result.added += std::holds_alternative<AddObservation>(edit) ? 1 : 0;
+    }
+    return result;
+  }
+
+ private:
+  MapId map_;
+  WeldingDraft draft_;
+  DuplicateFusion fusion_;
+  std::size_t looks_ = 0;
+};
+
+std::vector<PlacedLandmark> Places(const LookedAtMap& map) {
+  std::vector<PlacedLandmark> places;
+  places.reserve(map.landmarks.size());
+  for (const auto& landmark : map.landmarks) places.push_back({landmark.id, landmark.point_in_map});
+  return places;
+}
+
+// One whose fusion did not fit the atlas as it was by then is looked for again.
+void ForgetAbsorbed(const std::vector<MapEdit>& edits, LookedAtMap& map) {
+  LandmarkIdSet absorbed;
+  for (const MapEdit& edit : edits) {
+    if (const auto* fusion = std::get_if<FuseLandmarks>(&edit)) absorbed.Insert(fusion->absorbed);
+  }
+  std::erase_if(map.landmarks, [&](const auto& landmark) { return absorbed.Contains(landmark.id); });
+}
+
+}  // namespace
 
 Status MapFusionOptions::Check() const {
   RangeCheck check("map fusion");
@@ -14,27 +73,39 @@ Status MapFusionOptions::Check() const {
       .In("search.fusion_gate", search.fusion_gate, 0.5, 100)
       .In("search.max_distance", search.max_distance, 0, 256)
       .In("search.max_ratio", search.max_ratio, 0, 1)
+      .In("tolerance", tolerance, 0, 10)
       .In("cube_edge", cube_edge, 0.001, 1000);
   return check.status();
 }
 
 MapFusion FuseDuplicates(const Atlas& snapshot, MapId map, const std::vector<KeyframeId>& keyframes,
-                         const MapFusionOptions& options, std::stop_token stop) {
-  WeldingDraft draft(snapshot);
-  DuplicateFusion fusion({}, options.search, draft);
+                         const MapFusionOptions& options, const std::stop_token& stop) {
+  MapLook look(snapshot, map, options);
   const LandmarkIndex index(snapshot, map, options.cube_edge * MedianDepth(snapshot, map));
   for (const KeyframeId id : keyframes) {
     if (stop.stop_requested()) break;
-    const Keyframe* keyframe = draft.welded().FindKeyframe(id);
-    if (keyframe == nullptr || keyframe->map != map) continue;
-    fusion.SearchIn(id, index.InView(Viewpoint(*keyframe)));
+    look.SearchIn(id, index);
   }
-  MapFusion result{.edits = draft.edits(), .correction = draft.Moves(map), .after = draft.welded()};
-  for (const MapEdit& edit : result.edits) {
-    result.fused += std::holds_alternative<FuseLandmarks>(edit) ? 1 : 0;
-    result.added += std::holds_alternative<AddObservation>(edit) ? 1 : 0;
+  return std::move(look).Finish();
+}
+
+MapFusion FuseDuplicates(const Atlas& snapshot, MapId map, const MapFusionOptions& options, const LookedAtMap& before,
+                         const std::stop_token& stop) {
+  const double edge = options.cube_edge * MedianDepth(snapshot, map);
+  LookedAtMap now = LookedAtMap::Of(snapshot, map);
+  const LandmarkIndex index(Places(now), edge);
+  const double tolerance = options.tolerance * options.search.radius;
+  LookPlan plan = PlanLook(snapshot, std::move(now), before, index, tolerance, stop);
+  const LandmarkIndex changed(plan.landmarks, edge);
+  MapLook look(snapshot, map, options);
+  for (const KeyframeId id : ParentsFirst(snapshot, map)) {
+    if (stop.stop_requested()) return std::move(look).Finish();
+    look.SearchIn(id, plan.keyframes.contains(id) ? index : changed);
   }
-  return result;
+  MapFusion fusion = std::move(look).Finish();
+  ForgetAbsorbed(fusion.edits, plan.after);
+  fusion.looked_at = std::move(plan.after);
+  return fusion;
 }
 
 }  // namespace pangaea

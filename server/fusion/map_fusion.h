@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <stop_token>
 #include <vector>
 
 #include "common/map/atlas.h"
 #include "common/map/edits/edits.h"
 #include "common/mapping/landmark_search.h"
+#include "server/fusion/look_memory.h"
 #include "server/optimization/correction.h"
 
 namespace pangaea {
@@ -15,6 +17,9 @@ struct MapFusionOptions {
   // The window of the search is what poses may be off far from any seam; descriptors may differ a little more than in
   // local mapping, for views are farther apart, and geometry decides.
   LandmarkSearchOptions search = {.radius = 4.0, .old_radius = 4.0, .fusion_gate = 4.0, .one_per_keypoint = false};
+  // What was looked for in a keyframe in vain is looked for again when it has moved in its image by this share of the
+  // search radius since: then the window is clearly another one.
+  double tolerance = 0.5;
   // Edge of the cubes by which landmarks are found, in median depths of the map.
   double cube_edge = 0.15;
 
@@ -27,8 +32,12 @@ struct MapFusion {
   std::vector<MapEdit> edits;
   Correction correction;  // against the snapshot
   Atlas after;            // the snapshot with both
+  // `before` of the next look, once this one was taken. Nothing where a stop ended it or it was not along the whole
+  // map.
+  std::optional<LookedAtMap> looked_at;
   std::size_t fused = 0;
   std::size_t added = 0;
+  std::size_t looks = 0;  // for one landmark in one keyframe each
 };
 
 // Looks all along a map for landmarks that exist twice, because the map was merged or a loop closed elsewhere (a
@@ -37,6 +46,12 @@ struct MapFusion {
 // after the pose graph, better after a bundle adjustment (and makes the next one tighter). Ids that are not in the map
 // are left out. A stop ends it early: what was found so far is good.
 MapFusion FuseDuplicates(const Atlas& snapshot, MapId map, const std::vector<KeyframeId>& keyframes,
-                         const MapFusionOptions& options, std::stop_token stop);
+                         const MapFusionOptions& options, const std::stop_token& stop);
+
+// The same in all keyframes of the map, but only where something has changed since the looks that `before` tells of
+// (PlanLook; empty: everything): its cost follows what changed. Looks with different options know nothing of each
+// other.
+MapFusion FuseDuplicates(const Atlas& snapshot, MapId map, const MapFusionOptions& options, const LookedAtMap& before,
+                         const std::stop_token& stop);
 
 }  // namespace pangaea

@@ -30,11 +30,12 @@ AtlasWork::AtlasWork(AtlasService& service, const WorkOptions& options,
 std::shared_ptr<AtlasWork::Team> AtlasWork::MakeTeam() {
   auto team = std::make_shared<Team>();
   Team* const raw = team.get();
-  const auto optimize = [options = options_.map](const Atlas& atlas, MapId map, const std::stop_token& stop) {
+  const auto optimize = [options = options_.map](const Atlas& atlas, MapId map, const LookedAtMap& before,
+                                                 const std::stop_token& stop) {
     const Stopwatch watch;
     const double limit = 1e3 * options.bundle.max_seconds;
     const auto out_of_time = [&] { return limit > 0.0 && watch.milliseconds() > limit; };
-    auto result = OptimizeMap(atlas, map, options, stop, out_of_time);
+    auto result = OptimizeMap(atlas, map, options, before, stop, out_of_time);
     if (!result) return std::optional<OptimizedMap>();
     const GlobalBundle& bundle = result->bundle;
     spdlog::info("map {}: {} duplicates fused; {} observations, {} outliers, cost {:.4g} to {:.4g}, {} steps",
@@ -52,8 +53,8 @@ std::shared_ptr<AtlasWork::Team> AtlasWork::MakeTeam() {
   OptimizationThread::Economizer economize;
   if (options_.economy.enabled) {
     economize = [options = options_](const Atlas& atlas, MapId map, const std::set<KeyframeId>& used,
-                                     const std::stop_token& stop) {
-      return EconomizeMap(atlas, map, used, options.economy, options.redundancy, stop);
+                                     const LookedAtMap& before, const std::stop_token& stop) {
+      return EconomizeMap(atlas, map, used, options.economy, options.redundancy, before, stop);
     };
   }
   const auto finished = [raw] { raw->welding->Notify(); };

@@ -14,6 +14,12 @@ namespace {
 
 constexpr int kNice = 10;
 
+// What was seen of the map, and no longer what was seen of maps that are gone.
+const LookedAtMap& Recall(MapId map, const Atlas& snapshot, LookMemory& memory) {
+  std::erase_if(memory, [&](const auto& entry) { return snapshot.FindMap(entry.first) == nullptr; });
+  return memory[map];
+}
+
 }  // namespace
 
 OptimizationThread::OptimizationThread(AtlasService& service, Jobs jobs, const OptimizationAgendaOptions& options,
@@ -118,11 +124,12 @@ bool OptimizationThread::Optimize(const Atlas& snapshot, MapId map, const std::s
   std::stop_source running = Running();
   const std::stop_callback end(stop, [&running] { running.request_stop(); });
   const Stopwatch watch;
-  const auto optimized = jobs_.optimize(snapshot, map, running.get_token());
+  auto optimized = jobs_.optimize(snapshot, map, Recall(map, snapshot, looked_at_), running.get_token());
   const double milliseconds = watch.milliseconds();
   const bool cancelled = running.stop_requested();
   if (!cancelled) ledger_.Keep("global_bundle", watch);
-  if (optimized && !cancelled) Propose(*optimized);
+  const bool better = optimized.has_value();
+  if (optimized && !cancelled) Propose(map, std::move(*optimized));
   std::size_t waiting = 0;
   {
     MutexLock lock(mutex_);
@@ -130,9 +137,9 @@ bool OptimizationThread::Optimize(const Atlas& snapshot, MapId map, const std::s
     waiting = agenda_.waiting();
   }
   spdlog::info("global bundle adjustment of map {} {} after {:.0f} ms", ToString(map),
-               cancelled   ? "cancelled"
-               : optimized ? "done"
-                           : "found nothing better",
+               cancelled ? "cancelled"
+               : better  ? "done"
+                         : "found nothing better",
                milliseconds);
   ledger_.Write([&](WorkReport& report) {
     report.optimizing.reset();
@@ -143,10 +150,14 @@ bool OptimizationThread::Optimize(const Atlas& snapshot, MapId map, const std::s
   return !cancelled;
 }
 
-void OptimizationThread::Propose(const OptimizedMap& optimized) {
+void OptimizationThread::Propose(MapId map, OptimizedMap optimized) {
   const auto rebase = [&optimized](ServerDraft& draft) { return OptimizationEdits(optimized, draft); };
   const auto answer = service_.ProposeAndWait({{"optimization"}, rebase});
-  if (!answer) spdlog::warn("the result of a global bundle adjustment was not taken: {}", answer.error().message);
+  if (!answer) {
+    spdlog::warn("the result of a global bundle adjustment was not taken: {}", answer.error().message);
+  } else if (optimized.looked_at) {
+    looked_at_[map] = std::move(*optimized.looked_at);
+  }
 }
 
 // True when the atlas is another: then there may be more to do.
@@ -156,8 +167,9 @@ bool OptimizationThread::Economize(const IngestState& snapshot, std::optional<Ma
   const std::set<KeyframeId> in_use = jobs_.in_use(snapshot);
   while (const auto map = BeginEconomy(snapshot.atlas, in_use, only)) {
     const Stopwatch watch;
-    const auto economy = EconomizeOne(snapshot.atlas, *map, in_use, stop);
+    auto economy = EconomizeOne(snapshot.atlas, *map, in_use, stop);
     const bool taken = economy && (economy->empty() || Take(*economy));
+    if (taken && economy->changes.looked_at) economized_[*map] = std::move(*economy->changes.looked_at);
     ledger_.Write([](WorkReport& report) { report.economizing = false; });
     MutexLock lock(mutex_);
     if (!taken) {
@@ -189,7 +201,7 @@ std::optional<MapEconomy> OptimizationThread::EconomizeOne(const Atlas& snapshot
   std::stop_source running = Running();
   const std::stop_callback end(stop, [&running] { running.request_stop(); });
   ledger_.Write([](WorkReport& report) { report.economizing = true; });
-  auto economy = jobs_.economize(snapshot, map, in_use, running.get_token());
+  auto economy = jobs_.economize(snapshot, map, in_use, Recall(map, snapshot, economized_), running.get_token());
   if (running.stop_requested()) return std::nullopt;
   return economy;
 }

@@ -15,6 +15,7 @@
 #include "server/atlas/map_economy.h"
 #include "server/atlas/optimization_agenda.h"
 #include "server/atlas/welding_edits.h"
+#include "server/fusion/look_memory.h"
 #include "server/runtime/atlas_service.h"
 #include "server/runtime/bell.h"
 #include "server/runtime/work_report.h"
@@ -26,15 +27,18 @@ namespace pangaea {
 // due, it makes the maps smaller; welds cancel that, too.
 class OptimizationThread {
  public:
-  // A long computation on a snapshot; nothing when the stop was requested, or when it found nothing better.
-  using Optimizer = std::function<std::optional<OptimizedMap>(const Atlas& snapshot, MapId map, std::stop_token stop)>;
+  // A long computation on a snapshot; nothing when the stop was requested, or when it found nothing better. `before`:
+  // what the last one whose result was taken has seen of the map.
+  using Optimizer = std::function<std::optional<OptimizedMap>(const Atlas& snapshot, MapId map,
+                                                              const LookedAtMap& before, std::stop_token stop)>;
   // What the atlas can do without; nothing while there is room for all of it.
   using Tidier = std::function<std::vector<MapEdit>(const IngestState& snapshot, std::stop_token stop)>;
   // What living agents work on.
   using InUse = std::function<std::set<KeyframeId>(const IngestState& snapshot)>;
-  // What the map needs no longer; nothing when the stop was requested.
-  using Economizer = std::function<std::optional<MapEconomy>(const Atlas& snapshot, MapId map,
-                                                             const std::set<KeyframeId>& in_use, std::stop_token stop)>;
+  // What the map needs no longer; nothing when the stop was requested. `before` as above, of economy.
+  using Economizer =
+      std::function<std::optional<MapEconomy>(const Atlas& snapshot, MapId map, const std::set<KeyframeId>& in_use,
+                                              const LookedAtMap& before, std::stop_token stop)>;
   struct Jobs {
     Optimizer optimize;
     Tidier tidy;
@@ -66,7 +70,7 @@ class OptimizationThread {
   void TakeIn(const IngestState& state) REQUIRES(mutex_);
   // False: it was cancelled.
   bool Optimize(const Atlas& snapshot, MapId map, const std::stop_token& stop) EXCLUDES(mutex_);
-  void Propose(const OptimizedMap& optimized);
+  void Propose(MapId map, OptimizedMap optimized);
   bool Economize(const IngestState& snapshot, std::optional<MapId> only, const std::stop_token& stop) EXCLUDES(mutex_);
   std::optional<MapId> BeginEconomy(const Atlas& snapshot, const std::set<KeyframeId>& in_use,
                                     std::optional<MapId> only) EXCLUDES(mutex_);
@@ -86,7 +90,10 @@ class OptimizationThread {
   std::stop_source running_ GUARDED_BY(mutex_);
   EconomyAgenda economy_agenda_ GUARDED_BY(mutex_);
   std::map<SessionId, std::uint64_t> closed_maps_ GUARDED_BY(mutex_);  // seen, of each session
-  std::size_t tidied_keyframes_ = 0;                                   // there were when it was tidied; of the thread
+  // Of the thread. A restart of it, as an undo makes one, looks at everything once more.
+  LookMemory looked_at_;
+  LookMemory economized_;
+  std::size_t tidied_keyframes_ = 0;  // there were when it was tidied; of the thread
   std::jthread thread_;
 };
 

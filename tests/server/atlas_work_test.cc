@@ -199,7 +199,9 @@ class FakeOptimizer {
 
 std::vector<MapEdit> KeepAll(const IngestState&, const std::stop_token&) { return {}; }
 
-std::optional<OptimizedMap> OptimizeNothing(const Atlas&, MapId, const std::stop_token&) { return std::nullopt; }
+std::optional<OptimizedMap> OptimizeNothing(const Atlas&, MapId, const LookedAtMap&, const std::stop_token&) {
+  return std::nullopt;
+}
 
 // The thread at a server that has something of Anna's.
 class OptimizationThreadTest : public ::testing::Test {
@@ -218,7 +220,8 @@ class OptimizationThreadTest : public ::testing::Test {
     return *thread_;
   }
   OptimizationThread& Start(FakeOptimizer& optimizer) {
-    return Start([&](const Atlas&, MapId, const std::stop_token& stop) { return optimizer(stop); }, KeepAll);
+    return Start([&](const Atlas&, MapId, const LookedAtMap&, const std::stop_token& stop) { return optimizer(stop); },
+                 KeepAll);
   }
 
   const TemporaryStore place_;

@@ -1,13 +1,15 @@
 // What the server's economy makes of a recorded store, step by step, with sizes, errors and CPU time after each:
 //   economy_replay atlas.db STEP... -- NAME=DATASET...
 // Steps: weld[:SEARCHED:KEYFRAMES] (look up every keyframe, weld what is recognised, with such windows), optimize
-// (duplicates along the map, global bundle adjustment), economize (what a map needs no longer),
-// fuse:RADIUS:DISTANCE:RATIO (duplicates alone), thin:KEPT:KEPT_IN_CELL:MAX_OBSERVERS (weak landmarks), cull (redundant
-// keyframes), count (by how many keyframes landmarks are seen).
+// (duplicates along the map, global bundle adjustment), economize (what a map needs no longer), grow (all of that for
+// one session after the other), forget (the next looks are at everything), fuse:RADIUS:DISTANCE:RATIO (duplicates
+// alone), thin:KEPT:KEPT_IN_CELL:MAX_OBSERVERS (weak landmarks), cull (redundant keyframes), count (by how many
+// keyframes landmarks are seen).
 #include <cstdio>
 #include <ctime>
 #include <functional>
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
@@ -16,11 +18,11 @@
 #include "cli/stored_atlas.h"
 #include "common/map/covisibility.h"
 #include "common/map/map_edit.h"
-#include "common/map/spanning_tree.h"
 #include "common/map/trajectory.h"
 #include "common/place/vocabulary_file.h"
 #include "server/atlas/map_economy.h"
 #include "server/atlas/map_optimization.h"
+#include "server/atlas/optimization_agenda.h"
 #include "server/atlas/welding_agenda.h"
 #include "server/fusion/landmark_thinning.h"
 #include "server/fusion/redundancy.h"
@@ -70,6 +72,8 @@ class Replay {
     const double begin = CpuSeconds();
     if (step == "count") Count();
     if (step == "optimize") Optimize();
+    if (step == "grow") Grow();
+    if (step == "forget") looked_at_ = economized_ = {};
     if (step == "cull") Cull();
     if (step == "economize") Economize();
     if (step.starts_with("weld")) Weld(step);
@@ -108,12 +112,27 @@ class Replay {
     atlas() = std::move(outcome.state.atlas);
   }
 
+  // What an earlier look saw is left out; what leaving out nothing would have cost is measured beside it.
+  MapFusion LookIn(MapId map, const MapFusionOptions& options, LookedAtMap& before) {
+    const double begin = CpuSeconds();
+    const MapFusion whole = FuseDuplicates(atlas(), map, options, LookedAtMap(), {});
+    const double looked = CpuSeconds();
+    MapFusion fusion = FuseDuplicates(atlas(), map, options, before, {});
+    std::printf(
+        "  look at everything: %zu fused, %zu added, %zu looks, %.2f s; at what changed: %zu, %zu, %zu, %.2f s\n",
+        whole.fused, whole.added, whole.looks, looked - begin, fusion.fused, fusion.added, fusion.looks,
+        CpuSeconds() - looked);
+    before = *fusion.looked_at;
+    return fusion;
+  }
+
   void Optimize() {
     for (const MapId map : atlas().Maps()) {
+      if (growing_ && !IsWelded(atlas(), map)) continue;
       // As OptimizeMap, with a clock.
       const MapOptimizationOptions options;
       const double begin = CpuSeconds();
-      const MapFusion fusion = FuseDuplicates(atlas(), map, ParentsFirst(atlas(), map), options.fusion, {});
+      const MapFusion fusion = LookIn(map, options.fusion, looked_at_[map]);
       const double fused = CpuSeconds();
       const auto bundle = AdjustMap(fusion.after, map, options.bundle, {});
       const double adjusted = CpuSeconds();
@@ -135,7 +154,7 @@ class Replay {
     std::sscanf(step.c_str(), "fuse:%lf:%d:%lf", &radius, &options.search.max_distance, &options.search.max_ratio);
     options.search.radius = options.search.old_radius = options.search.fusion_gate = radius;
     for (const MapId map : atlas().Maps()) {
-      const MapFusion fusion = FuseDuplicates(atlas(), map, ParentsFirst(atlas(), map), options, {});
+      const MapFusion fusion = FuseDuplicates(atlas(), map, options, LookedAtMap(), {});
       std::printf("  fused %zu, observations added %zu\n", fusion.fused, fusion.added);
       OptimizedMap optimized;
       optimized.joins = fusion.edits;
@@ -148,11 +167,27 @@ class Replay {
   void Weld(const std::string& step) {
     FusionOptions fusion;
     std::sscanf(step.c_str(), "weld:%zu:%zu", &fusion.window.searched, &fusion.window.keyframes);
-    auto vocabulary = OpenVocabulary();
-    PlaceRecognizer recognizer(*vocabulary, {});
-    WeldingAgenda agenda({}, {});
+    PlaceRecognizer recognizer(vocabulary_, {});
     std::vector<KeyframeId> ids;
     atlas().ForEachKeyframe([&](const Keyframe& keyframe) { ids.push_back(keyframe.id); });
+    WeldAll(ids, recognizer, fusion);
+  }
+
+  // One session after the other, each looked up, welded, and its map adjusted and made smaller.
+  void Grow() {
+    growing_ = true;
+    PlaceRecognizer recognizer(vocabulary_, {});
+    for (const SessionId session : atlas().Sessions()) {
+      std::vector<KeyframeId> ids;
+      atlas().ForEachKeyframe(session, [&](const Keyframe& keyframe) { ids.push_back(keyframe.id); });
+      WeldAll(ids, recognizer, {});
+      for (const char* step : {"optimize", "economize", "optimize"}) Do(step);
+    }
+    growing_ = false;
+  }
+
+  void WeldAll(const std::vector<KeyframeId>& ids, PlaceRecognizer& recognizer, const FusionOptions& fusion) {
+    WeldingAgenda agenda({}, {});
     NoStageRecorder stages;
     for (const KeyframeId id : ids) {
       for (PlaceMatch& match : recognizer.Recognize(atlas(), id, stages).matches) agenda.Add(std::move(match));
@@ -185,10 +220,16 @@ class Replay {
 
   void Economize() {
     for (const MapId map : atlas().Maps()) {
-      const auto economy = EconomizeMap(atlas(), map, {}, {}, {}, {});
+      if (growing_ && !IsWelded(atlas(), map)) continue;
+      LookedAtMap before = economized_[map];
+      (void)LookIn(map, EconomyOptions().fusion, before);
+      const double begin = CpuSeconds();
+      const auto economy = EconomizeMap(atlas(), map, {}, {}, {}, economized_[map], {});
+      economized_[map] = std::move(before);
       const double planned = CpuSeconds();
       Carry([&](ServerDraft& draft) { return OptimizationEdits(economy->changes, draft); });
-      std::printf("  %s; edits in %.2f s\n", Describe(*economy).c_str(), CpuSeconds() - planned);
+      std::printf("  %s; in %.2f s, edits in %.2f s\n", Describe(*economy).c_str(), planned - begin,
+                  CpuSeconds() - planned);
     }
   }
 
@@ -218,6 +259,10 @@ class Replay {
 
   StoredAtlas stored_;
   std::uint64_t position_ = 1;
+  std::shared_ptr<const VocabularyTree> vocabulary_ = OpenVocabulary().value();
+  LookMemory looked_at_;
+  LookMemory economized_;
+  bool growing_ = false;
 };
 
 }  // namespace

@@ -69,6 +69,58 @@ void FuseAllOfTheMap(benchmark::State& state) {
 }
 BENCHMARK(FuseAllOfTheMap)->Arg(250)->Unit(benchmark::kMillisecond);
 
+// A merged map that has been looked at, to which a session was welded that flew a tenth of the way again.
+struct GrownMap {
+  explicit GrownMap(int keyframes) : world(TwoLargeMaps(keyframes)) {
+    Weld(MatchInTheMiddle(world));
+    for (int i = 0; i < 3; ++i) {
+      const MapFusion fusion = FuseDuplicates(world.atlas, map, {}, seen, {});
+      Carry(fusion);
+      seen = *fusion.looked_at;
+    }
+    SurveyOptions third;
+    third.stamp_ns = 2'000'000'000'000'000;
+    third.mapped = 0.45;
+    third.map_from_world = RandomFrame(8);
+    const int middle = keyframes / 2;
+    world.Fly(kThird, CirclePoses(middle, middle + keyframes / 10, kLap), third);
+    Weld(
+        world.TrueMatch(world.KeyframesOf(kThird)[5], world.KeyframesOf(kOlder)[static_cast<std::size_t>(middle + 5)]));
+  }
+
+  void Weld(const PlaceMatch& match) {
+    const WeldingOutcome plan = PlanWelding(world.atlas, match, {}, {});
+    PANGAEA_CHECK(plan.has_value());
+    testing::Carry(*plan, world.atlas);
+    map = plan->map;
+  }
+  void Carry(const MapFusion& fusion) {
+    ApplyTolerantly(fusion.edits, world.atlas);
+    for (const MapEdit& edit : Rebase(fusion.correction, world.atlas)) {
+      PANGAEA_CHECK(Apply(edit, world.atlas).has_value());
+    }
+  }
+
+  static constexpr SessionId kThird = 0x33;
+  SurveyedWorld world;
+  MapId map;
+  LookedAtMap seen;
+};
+
+void LookAlong(benchmark::State& state, bool everything) {
+  GrownMap grown(static_cast<int>(state.range(0)));
+  const LookedAtMap before = everything ? LookedAtMap() : grown.seen;
+  for (auto _ : state) {
+    const MapFusion fusion = FuseDuplicates(grown.world.atlas, grown.map, {}, before, {});
+    state.counters["fused"] = static_cast<double>(fusion.fused);
+    state.counters["looks"] = static_cast<double>(fusion.looks);
+  }
+}
+void LookAtEverything(benchmark::State& state) { LookAlong(state, true); }
+void LookAtWhatChanged(benchmark::State& state) { LookAlong(state, false); }
+BENCHMARK(LookAtEverything)->Arg(125)->Arg(250)->Unit(benchmark::kMillisecond);
+BENCHMARK(LookAtWhatChanged)->Arg(125)->Arg(250)->Unit(benchmark::kMillisecond);
+
 void CullRedundant(benchmark::State& state) {
   const SurveyedWorld world = TwoLargeMaps(static_cast<int>(state.range(0)));
   for (auto _ : state) {

@@ -32,7 +32,7 @@ INSTANTIATE_TEST_SUITE_P(Seeds, Economy, ::testing::Range<std::uint64_t>(1, 4));
 
 TEST_P(Economy, OfAPlaceMappedTwiceMuchLessThanTwoMapsRemains) {
   const WeldedFlights flown = FlownTwice(GetParam());
-  const auto economy = EconomizeMap(flown.merged, kMap, {}, {}, {}, {});
+  const auto economy = EconomizeMap(flown.merged, kMap, {}, {}, {}, {}, {});
   ASSERT_TRUE(economy.has_value());
   const Atlas after = Economized(flown.merged, *economy);
   EXPECT_LT(after.keyframe_count(), flown.world.atlas.keyframe_count() * 3 / 4);
@@ -46,7 +46,7 @@ TEST_P(Economy, WhatIsInUseStays) {
   const WeldedFlights flown = FlownTwice(GetParam());
   const std::vector<KeyframeId>& all = flown.world.KeyframesOf(kNewer);
   const std::set<KeyframeId> in_use(all.begin(), all.end());
-  const auto economy = EconomizeMap(flown.merged, kMap, in_use, {}, {}, {});
+  const auto economy = EconomizeMap(flown.merged, kMap, in_use, {}, {}, {}, {});
   ASSERT_TRUE(economy.has_value());
   const Atlas after = Economized(flown.merged, *economy);
   for (const KeyframeId id : in_use) EXPECT_NE(after.FindKeyframe(id), nullptr);
@@ -57,7 +57,7 @@ TEST(EconomyOfAMap, AStopGivesNothing) {
   const WeldedFlights flown = FlownTwice(1);
   std::stop_source stop;
   stop.request_stop();
-  EXPECT_FALSE(EconomizeMap(flown.merged, kMap, {}, {}, {}, stop.get_token()).has_value());
+  EXPECT_FALSE(EconomizeMap(flown.merged, kMap, {}, {}, {}, {}, stop.get_token()).has_value());
 }
 
 TEST(EconomyAgendaTest, AMapIsWorthItOnceItWasWeldedAndAgainWhenItGrewOrWasLeft) {

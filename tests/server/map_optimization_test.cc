@@ -35,7 +35,7 @@ INSTANTIATE_TEST_SUITE_P(Seeds, OptimizeMapTest, ::testing::Range<std::uint64_t>
 
 TEST_P(OptimizeMapTest, AWeldedMapIsAdjustedAndRidOfDuplicates) {
   const WeldedFlights welded = WeldedAtOneEnd(GetParam());
-  const auto optimized = OptimizeMap(welded.merged, kMap, {}, {});
+  const auto optimized = OptimizeMap(welded.merged, kMap, {}, {}, {});
   ASSERT_TRUE(optimized.has_value());
   Atlas atlas = welded.merged;
   Carry(optimized->optimized, atlas);
@@ -46,7 +46,7 @@ TEST_P(OptimizeMapTest, AWeldedMapIsAdjustedAndRidOfDuplicates) {
 
 TEST_P(OptimizeMapTest, OnAnAtlasThatMovedOnItLeavesItConsistent) {
   const WeldedFlights welded = WeldedAtOneEnd(GetParam());
-  const auto optimized = OptimizeMap(welded.merged, kMap, {}, {});
+  const auto optimized = OptimizeMap(welded.merged, kMap, {}, {}, {});
   ASSERT_TRUE(optimized.has_value());
   Atlas atlas = welded.merged;
   RandomEdits random(GetParam());
@@ -60,7 +60,7 @@ TEST(OptimizeOneMap, AStopGivesNothing) {
   const WeldedFlights welded = WeldedAtOneEnd(1);
   std::stop_source stop;
   stop.request_stop();
-  EXPECT_FALSE(OptimizeMap(welded.merged, kMap, {}, stop.get_token()).has_value());
+  EXPECT_FALSE(OptimizeMap(welded.merged, kMap, {}, {}, stop.get_token()).has_value());
 }
 
 }  // namespace
