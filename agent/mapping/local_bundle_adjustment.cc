@@ -1,5 +1,7 @@
 #include "agent/mapping/local_bundle_adjustment.h"
 
+#include <algorithm>
+
 #include "common/base/check.h"
 #include "common/mapping/bundle_window.h"
 
@@ -34,11 +36,18 @@ std::vector<MapEdit> RemoveOwnOutliers(const Atlas& atlas, const AdjustmentWindo
   return removals;
 }
 
-BundleOptions SolverOptions(const LocalBundleAdjustmentOptions& options, std::stop_token stop) {
+BundleSolver SolverFor(BundleAdjustmentBackEnd back_end, std::size_t free_keyframes) {
+  if (back_end == BundleAdjustmentBackEnd::kCeres) return BundleSolver::kDenseSchur;
+  return free_keyframes <= kDenseKeyframes ? BundleSolver::kLocal : BundleSolver::kSparse;
+}
+
+BundleOptions SolverOptions(const LocalBundleAdjustmentOptions& options, std::size_t free_keyframes,
+                            std::stop_token stop) {
   BundleOptions solver;
-  solver.solver = options.back_end == BundleAdjustmentBackEnd::kFast ? BundleSolver::kLocal : BundleSolver::kDenseSchur;
+  solver.solver = SolverFor(options.back_end, free_keyframes);
   solver.iterations = options.iterations;
   solver.iterations_without_outliers = options.iterations_without_outliers;
+  solver.cost_tolerance = options.cost_tolerance;
   solver.stop = std::move(stop);
   return solver;
 }
@@ -51,7 +60,7 @@ LocalAdjustment AdjustLocalMap(const Atlas& atlas, const AdjustmentWindow& windo
   LocalAdjustment adjustment;
   if (window.free.empty() || window.landmarks.size() + window.held.size() == 0) return adjustment;
   const WindowBundle bundle = BuildBundle(atlas, window, noise);
-  const auto result = SolveBundle(bundle.problem, SolverOptions(options, std::move(stop)));
+  const auto result = SolveBundle(bundle.problem, SolverOptions(options, window.free.size(), std::move(stop)));
   PANGAEA_CHECK(result.has_value());
   for (std::size_t i = 0; i < window.free.size(); ++i) {
     adjustment.camera_from_map.emplace_back(window.free[i], result->poses[i]);
@@ -65,6 +74,8 @@ LocalAdjustment AdjustLocalMap(const Atlas& atlas, const AdjustmentWindow& windo
     const Rigid3d& after = result->poses[static_cast<std::size_t>(bundle.pose_index.at(landmark.reference))];
     adjustment.point_in_map.emplace_back(id, after.Inverse() * (before * landmark.point_in_map));
   }
+  adjustment.outlier_share = static_cast<double>(std::ranges::count(result->outliers, 1)) /
+                             std::max<double>(1.0, static_cast<double>(result->outliers.size()));
   adjustment.removals = RemoveOwnOutliers(atlas, window, bundle, result->outliers);
   return adjustment;
 }

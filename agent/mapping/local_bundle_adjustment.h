@@ -31,6 +31,7 @@ struct LocalAdjustment {
   std::vector<std::pair<LandmarkId, Eigen::Vector3d>> point_in_map;
   // Observations that contradict the adjusted map; a landmark that would keep too few of them goes altogether.
   std::vector<MapEdit> removals;
+  double outlier_share = 0.0;  // of the observations in the window
 };
 
 // Minimises the reprojection errors in the window. A stop ends it early with the best state so far.

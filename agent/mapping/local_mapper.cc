@@ -9,7 +9,7 @@
 #include "agent/mapping/guest_rules.h"
 #include "agent/mapping/keyframe_culling.h"
 #include "agent/mapping/keyframe_insertion.h"
-#include "agent/mapping/local_bundle_adjustment.h"
+#include "agent/mapping/map_strain.h"
 #include "agent/mapping/neighbourhood.h"
 #include "common/base/check.h"
 #include "common/map/covisibility.h"
@@ -49,9 +49,14 @@ bool LocalMapper::Insert(const KeyframeCandidate& candidate, StageRecorder& stag
   }
   trials_.CountChances(atlas_, *atlas_.FindKeyframe(candidate.id), options_.search.max_view_angle);
   if (stop.stop_requested()) return true;
+  std::vector<LandmarkId> adjusted;
   {
     const StageScope stage(stages, "mapping.bundle_adjustment");
-    AdjustBundle(candidate.id, stop);
+    adjusted = AdjustBundle(candidate.id, stop);
+  }
+  if (NeedsWideAdjustment(candidate.id, adjusted)) {
+    const StageScope stage(stages, "mapping.wide_adjustment");
+    AdjustWidely(candidate.id, stop);
   }
   {
     const StageScope stage(stages, "mapping.cull_keyframes");
@@ -145,11 +150,30 @@ void LocalMapper::FuseIntoNeighbours(KeyframeId newest, const std::stop_token& s
   }
 }
 
-void LocalMapper::AdjustBundle(KeyframeId newest, std::stop_token stop) {
-  const AdjustmentWindow window = ChooseAdjustmentWindow(atlas_, newest, options_.bundle_adjustment);
-  if (window.free.empty()) return;
+std::vector<LandmarkId> LocalMapper::AdjustBundle(KeyframeId newest, std::stop_token stop) {
+  AdjustmentWindow window = ChooseAdjustmentWindow(atlas_, newest, options_.bundle_adjustment);
+  if (window.free.empty()) return {};
+  CommitAdjustment(AdjustLocalMap(atlas_, window, options_.bundle_adjustment, options_.noise, std::move(stop)));
+  return std::move(window.landmarks);
+}
+
+bool LocalMapper::NeedsWideAdjustment(KeyframeId newest, std::span<const LandmarkId> landmarks) const {
+  const WideAdjustmentOptions& options = options_.wide_adjustment;
+  const double wanted_gap = std::max<double>(options.min_gap, options.min_growth * adjusted_widely_at_);
+  if (!options.enabled || newest.counter < adjusted_widely_at_ + wanted_gap) return false;
+  return StrainOf(atlas_, landmarks, options.strain_samples, options_.noise).share() > options.max_strain;
+}
+
+void LocalMapper::AdjustWidely(KeyframeId newest, std::stop_token stop) {
+  const WideAdjustmentOptions& options = options_.wide_adjustment;
+  adjusted_widely_at_ = newest.counter;
+  const AdjustmentWindow window = ChooseAdjustmentWindow(atlas_, newest, options.bundle_adjustment);
   LocalAdjustment adjustment =
-      AdjustLocalMap(atlas_, window, options_.bundle_adjustment, options_.noise, std::move(stop));
+      AdjustLocalMap(atlas_, window, options.bundle_adjustment, options_.noise, std::move(stop));
+  if (adjustment.outlier_share <= options.max_strain) CommitAdjustment(std::move(adjustment));
+}
+
+void LocalMapper::CommitAdjustment(LocalAdjustment adjustment) {
   if (adjustment.camera_from_map.empty()) return;
   Commit(MoveKeyframesTo(atlas_, adjustment.camera_from_map));
   Commit(MoveLandmarksTo(atlas_, adjustment.point_in_map));

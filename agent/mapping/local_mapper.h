@@ -7,6 +7,7 @@
 
 #include "agent/mapping/keyframe_candidate.h"
 #include "agent/mapping/landmark_culling.h"
+#include "agent/mapping/local_bundle_adjustment.h"
 #include "agent/mapping/local_mapping_options.h"
 #include "agent/mapping/map_opening.h"
 #include "common/base/stage_recorder.h"
@@ -27,8 +28,9 @@ class LocalMapper {
   LocalMapper(SessionId session, LocalMappingOptions options);
 
   // Everything that one keyframe causes. Stages: "local_mapping" around "mapping.insert", "mapping.cull_landmarks",
-  // "mapping.search", "mapping.create", "mapping.fuse", "mapping.bundle_adjustment", "mapping.cull_keyframes". When
-  // `stop` is requested (a newer keyframe waits), fusion, bundle adjustment and keyframe culling are left out or cut
+  // "mapping.search", "mapping.create", "mapping.fuse", "mapping.bundle_adjustment", "mapping.cull_keyframes"; where
+  // the camera came back to an old place, now and then "mapping.wide_adjustment" after the bundle adjustment. When
+  // `stop` is requested (a newer keyframe waits), fusion, bundle adjustments and keyframe culling are left out or cut
   // short; the map is consistent all the same. False, and nothing done, for a candidate that cannot enter the map: its
   // map is closed, its id is in use, or its reference is unknown.
   bool Insert(const KeyframeCandidate& candidate, StageRecorder& stages, std::stop_token stop = {});
@@ -55,7 +57,12 @@ class LocalMapper {
   void SearchOldLandmarks(KeyframeId newest);
   void CreateLandmarks(KeyframeId newest);
   void FuseIntoNeighbours(KeyframeId newest, const std::stop_token& stop);
-  void AdjustBundle(KeyframeId newest, std::stop_token stop);
+  // Returns the landmarks of the window.
+  std::vector<LandmarkId> AdjustBundle(KeyframeId newest, std::stop_token stop);
+  // Whether the map is strained at these landmarks, and the latest wide adjustment far enough back.
+  bool NeedsWideAdjustment(KeyframeId newest, std::span<const LandmarkId> landmarks) const;
+  void AdjustWidely(KeyframeId newest, std::stop_token stop);
+  void CommitAdjustment(LocalAdjustment adjustment);
   void CullKeyframes(KeyframeId newest, KeyframeId reference);
   // The only place where the atlas changes.
   void Commit(MapEdit edit);
@@ -69,6 +76,7 @@ class LocalMapper {
   std::vector<MapEdit> pending_edits_;
   LandmarkTrials trials_;
   std::uint32_t landmarks_created_ = 0;
+  std::uint32_t adjusted_widely_at_ = 0;  // counter of the newest keyframe at the latest wide adjustment
 };
 
 }  // namespace pangaea

@@ -1,11 +1,14 @@
 #include "agent/mapping/local_mapping_options.h"
 
+#include <string_view>
+
 #include "common/base/range_check.h"
 
 namespace pangaea {
 namespace {
 
 constexpr double kUnlimited = RangeCheck::kUnlimited;
+constexpr std::size_t kMostWideKeyframes = 5000;
 
 void CheckNeighbourhood(const NeighbourhoodOptions& neighbourhood, RangeCheck& check) {
   check.In("neighbourhood.first", neighbourhood.first, 1, 1000)
@@ -46,11 +49,21 @@ void CheckCulling(const LocalMappingOptions& options, RangeCheck& check) {
       .In("keyframe_culling.newest_kept", options.keyframe_culling.newest_kept, 1, 1000);
 }
 
-void CheckAdjustment(const LocalBundleAdjustmentOptions& adjustment, RangeCheck& check) {
-  check.In("bundle_adjustment.window_keyframes", adjustment.window_keyframes, 1, 60)
+Status CheckAdjustment(std::string_view owner, const LocalBundleAdjustmentOptions& adjustment, std::size_t most) {
+  RangeCheck check(owner);
+  check.In("bundle_adjustment.window_keyframes", adjustment.window_keyframes, 1, static_cast<double>(most))
       .In("bundle_adjustment.fixed_keyframes", adjustment.fixed_keyframes, 1, 10000)
       .In("bundle_adjustment.iterations", adjustment.iterations, 1, 1000)
-      .In("bundle_adjustment.iterations_without_outliers", adjustment.iterations_without_outliers, 0, 1000);
+      .In("bundle_adjustment.iterations_without_outliers", adjustment.iterations_without_outliers, 0, 1000)
+      .In("bundle_adjustment.cost_tolerance", adjustment.cost_tolerance, 0, 1);
+  return check.status();
+}
+
+void CheckWideAdjustment(const WideAdjustmentOptions& wide, RangeCheck& check) {
+  check.In("wide_adjustment.max_strain", wide.max_strain, 0, 1)
+      .In("wide_adjustment.strain_samples", wide.strain_samples, 1, 100000)
+      .In("wide_adjustment.min_gap", wide.min_gap, 1, 100000)
+      .In("wide_adjustment.min_growth", wide.min_growth, 0, 100);
 }
 
 }  // namespace
@@ -63,8 +76,10 @@ Status LocalMappingOptions::Check() const {
   CheckSearch(search, check);
   CheckCreation(creation, check);
   CheckCulling(*this, check);
-  CheckAdjustment(bundle_adjustment, check);
-  return check.status();
+  CheckWideAdjustment(wide_adjustment, check);
+  if (!check.status()) return check.status();
+  if (auto status = CheckAdjustment("local mapping", bundle_adjustment, kDenseKeyframes); !status) return status;
+  return CheckAdjustment("local mapping: wide_adjustment", wide_adjustment.bundle_adjustment, kMostWideKeyframes);
 }
 
 }  // namespace pangaea

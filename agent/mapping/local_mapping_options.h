@@ -37,7 +37,9 @@ struct LandmarkCullingOptions {
   double min_found_ratio = 0.25;
 };
 
+// kFast: our own solver, dense for windows of up to kDenseKeyframes, sparse for larger ones.
 enum class BundleAdjustmentBackEnd { kFast, kCeres };
+inline constexpr std::size_t kDenseKeyframes = 60;
 
 struct LocalBundleAdjustmentOptions {
   // Keyframes whose poses are free: the new one, its best covisible ones, then theirs (count).
@@ -46,7 +48,29 @@ struct LocalBundleAdjustmentOptions {
   std::size_t fixed_keyframes = 30;
   int iterations = 5;                   // steps with the robust kernel
   int iterations_without_outliers = 3;  // then so many without it and without the outliers it showed
+  double cost_tolerance = 1e-6;         // either ends when a step lowers the cost by less than this share of it
   BundleAdjustmentBackEnd back_end = BundleAdjustmentBackEnd::kFast;
+};
+
+// The adjustment of the whole way by which the camera came back to an old place
+// (docs/decisions/0021-coming-back-alone.md).
+struct WideAdjustmentOptions {
+  bool enabled = true;  // where nobody else closes loops
+  // It follows when more than this share of the observations of the local window's landmarks contradict the map. Before
+  // a camera first comes back it is less than a thousandth, however noisy the images: adjustments remove what
+  // contradicts them. Worse than this afterwards, the old place was a wrong one, and the map stays as it was.
+  double max_strain = 0.01;
+  std::size_t strain_samples = 400;  // of the window's landmarks (count)
+  // Keyframes made since the one before, at least: a count, and as a share of all until then. So its cost, which grows
+  // with the map, stays a bounded part of mapping's.
+  std::uint32_t min_gap = 20;
+  double min_growth = 0.25;
+  // So many keyframes are a way of several minutes. Few steps: the drift is small, and local adjustments take the rest.
+  LocalBundleAdjustmentOptions bundle_adjustment{.window_keyframes = 500,
+                                                 .fixed_keyframes = 100,
+                                                 .iterations = 5,
+                                                 .iterations_without_outliers = 3,
+                                                 .cost_tolerance = 1e-2};
 };
 
 struct KeyframeCullingOptions {
@@ -65,6 +89,7 @@ struct LocalMappingOptions {
   LandmarkCreationOptions creation;
   LandmarkCullingOptions landmark_culling;
   LocalBundleAdjustmentOptions bundle_adjustment;
+  WideAdjustmentOptions wide_adjustment;
   KeyframeCullingOptions keyframe_culling;
 
   // Says which option is out of which range.

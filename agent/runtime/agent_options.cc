@@ -63,6 +63,8 @@ void ReadMapping(ConfigReader& reader, LocalMappingOptions& mapping) {
   reader.Read("mapping.window_keyframes", &mapping.bundle_adjustment.window_keyframes, Range{2, 60});
   reader.Read("mapping.fixed_keyframes", &mapping.bundle_adjustment.fixed_keyframes, Range{1, 500});
   reader.Read("mapping.iterations", &mapping.bundle_adjustment.iterations, Range{1, 100});
+  reader.Read("mapping.max_strain", &mapping.wide_adjustment.max_strain, Range{0.0, 1.0});
+  reader.Read("mapping.wide_keyframes", &mapping.wide_adjustment.bundle_adjustment.window_keyframes, Range{60, 5000});
   reader.Read("mapping.pixel_sigma", &mapping.noise.pixel_sigma, Range{0.05, 10.0});
   reader.Read("mapping.max_depth_baselines", &mapping.noise.max_depth_baselines, Range{1.0, 10000.0});
   reader.Read("mapping.search_radius", &mapping.search.radius, Range{0.5, 100.0});

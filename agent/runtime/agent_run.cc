@@ -109,6 +109,14 @@ Result<RunInputs> OpenInputs(const AgentOptions& options, const std::stop_token&
   return RunInputs{std::move(*vocabulary), std::move(*lcm), std::move(*camera), std::move(*rectifier)};
 }
 
+// A server closes loops itself, knows places by their looks and says where everything is then: two that move a whole
+// map would only send each other the difference.
+LocalMappingOptions MappingOptionsFor(const AgentOptions& options) {
+  LocalMappingOptions mapping = options.mapping;
+  mapping.wide_adjustment.enabled &= !options.use_server;
+  return mapping;
+}
+
 void MeasureProcess(AgentRun& run) {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -133,7 +141,7 @@ Result<AgentRun> RunAgent(const AgentOptions& options, const std::stop_token& st
   spdlog::info("{}: session {}, {} frames, {}, {}", run.name, ToString(run.session),
                frame_count ? std::to_string(*frame_count) : "unknown", inputs->camera.kind,
                options.use_server ? "site " + options.site : "without a server");
-  MappingWorker worker(run.session, options.mapping, link->uplink.get());
+  MappingWorker worker(run.session, MappingOptionsFor(options), link->uplink.get());
   const Rigid3d camera_from_body = rectifier.body_from_camera().Inverse();
   Tracker tracker(run.session, rectifier.camera(), options.tracking, inputs->vocabulary, options.seed);
   FlightRecorder recorder(run.name, frame_count, camera_from_body);

@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
+#include <string>
 
 #include "agent/mapping/local_mapper.h"
 #include "common/geometry/horn.h"
@@ -31,6 +33,15 @@ LocalMappingOptions ExactRig() {
   return options;
 }
 
+// Counts how often a stage began.
+class StageCounter final : public StageRecorder {
+ public:
+  void Begin(std::string_view name) override { ++begun[std::string(name)]; }
+  void End(std::string_view) override {}
+
+  std::map<std::string, int> begun;
+};
+
 // A mapper that walks through a synthetic world.
 class Walk {
  public:
@@ -40,7 +51,6 @@ class Walk {
 
   KeyframeId Visit(const Rigid3d& camera_from_world, std::stop_token stop = {}) {
     const KeyframeCandidate candidate = world.NextKeyframe(camera_from_world, mapper.atlas());
-    NoStageRecorder stages;
     EXPECT_TRUE(mapper.Insert(candidate, stages, std::move(stop)));
     return candidate.id;
   }
@@ -90,8 +100,23 @@ class Walk {
     return static_cast<double>(wrong) / static_cast<double>(all);
   }
 
+  // Root mean square of the errors of the camera centres after the similarity that makes it smallest, metres.
+  double AlignedError() const {
+    std::vector<Eigen::Vector3d> truth;
+    std::vector<Eigen::Vector3d> estimate;
+    mapper.atlas().ForEachKeyframe([&](const Keyframe& keyframe) {
+      truth.push_back(world.true_camera_from_world(keyframe.id).Inverse().translation());
+      estimate.push_back(keyframe.camera_from_map.Inverse().translation());
+    });
+    const auto world_from_map = AlignPoints(truth, estimate, true);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < truth.size(); ++i) sum += (truth[i] - *world_from_map * estimate[i]).squaredNorm();
+    return std::sqrt(sum / static_cast<double>(truth.size()));
+  }
+
   SyntheticWorld world;
   LocalMapper mapper;
+  StageCounter stages;
 };
 
 TEST(LocalMapper, FirstStereoKeyframeFillsTheMapByItself) {
@@ -137,6 +162,35 @@ TEST(LocalMapper, SeeingTheStartAgainObservesItsLandmarksAndTakesBackTheDrift) {
   EXPECT_LT(walk.PositionError(last.id), blind.PositionError(last.id) + 0.002);
   EXPECT_LT(walk.DuplicateShare(), 0.02);
   EXPECT_THAT(CheckConsistency(walk.mapper.atlas()), IsEmpty());
+}
+
+// Local windows that are small beside the circle, as they are in flights through halls.
+LocalMappingOptions SmallWindows() {
+  LocalMappingOptions options = ExactRig();
+  options.bundle_adjustment.window_keyframes = 5;
+  options.bundle_adjustment.fixed_keyframes = 5;
+  return options;
+}
+
+TEST(LocalMapper, ComingBackSharesTheDriftAmongTheWholeWay) {
+  const SyntheticWorldOptions one_camera{
+      .points = 1500, .stereo = false, .pixel_noise = 0.6, .position_noise = 0.0, .rotation_noise = 0.0};
+  LocalMappingOptions options = SmallWindows();
+  Walk walk(one_camera, options);
+  options.wide_adjustment.enabled = false;
+  Walk local(one_camera, options);
+  walk.WalkCircle(0, 100, 60);
+  local.WalkCircle(0, 100, 60);
+  EXPECT_GE(walk.stages.begun["mapping.wide_adjustment"], 1);
+  EXPECT_EQ(local.stages.begun["mapping.wide_adjustment"], 0);
+  EXPECT_LT(walk.AlignedError(), 0.7 * local.AlignedError());
+  EXPECT_THAT(CheckConsistency(walk.mapper.atlas()), IsEmpty());
+}
+
+TEST(LocalMapper, AWayThatDoesNotComeBackIsNotAdjustedAsAWhole) {
+  Walk walk(SyntheticWorldOptions{.stereo = false, .position_noise = 0.0, .rotation_noise = 0.0}, SmallWindows());
+  walk.WalkCircle(0, 30, 60);
+  EXPECT_EQ(walk.stages.begun["mapping.wide_adjustment"], 0);
 }
 
 TEST(LocalMapper, WronglyTrackedLandmarksAreThrownOut) {
