@@ -37,7 +37,7 @@ class AtlasOwnerTest : public ::testing::Test {
     EXPECT_EQ(owner_->State()->ingest.position, durable_.back()) << "and the state has it";
   }
 
-  const TemporaryStore place_;
+  const TemporaryStore place_{};
 };
 
 TEST_F(AtlasOwnerTest, ARoundIsDurableAndPublishedBeforeItIsAnswered) {
