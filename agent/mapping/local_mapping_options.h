@@ -53,7 +53,7 @@ struct LocalBundleAdjustmentOptions {
 };
 
 // The adjustment of the whole way by which the camera came back to an old place
-// (docs/decisions/0021-coming-back-alone.md).
+// (docs/decisions/0022-coming-back-alone.md).
 struct WideAdjustmentOptions {
   bool enabled = true;  // where nobody else closes loops
   // It follows when more than this share of the observations of the local window's landmarks contradict the map. Before
