@@ -37,7 +37,8 @@ TEST_F(AgentSystem, ALostAgentGoesOnInTheMapOfAnother) {
   ASSERT_EQ(mapper->Wait(), 0) << mapper->output();
   std::filesystem::copy(Dataset(1), File("dark"), std::filesystem::copy_options::recursive);
   Darken(File("dark"), kDarkFrom, kDarkTo);
-  const auto lost = StartAgent("lost", 1, {"--dataset", File("dark").string()});
+  // Slow enough for the answer to come while there is something to see, on a busy machine or in an instrumented build.
+  const auto lost = StartAgent("lost", 1, {"--dataset", File("dark").string(), "--rate", "0.4"});
   ASSERT_EQ(lost->Wait(), 0) << lost->output();
   server->Signal(SIGTERM);
   EXPECT_EQ(server->Wait(), 0) << server->output();
