@@ -50,7 +50,8 @@ Occluder MakeOccluder(std::uint64_t seed) {
   occluder.phase = random.Unit();
   occluder.radius_x = random.Uniform(4.5, 8.0);
   occluder.radius_y = random.Uniform(2.8, 5.4);
-  occluder.period = random.Uniform(25.0, 40.0) * (random.Chance(0.5) ? 1.0 : -1.0);
+  const double period = random.Uniform(25.0, 40.0);
+  occluder.period = random.Chance(0.5) ? period : -period;
   return occluder;
 }
 

@@ -59,14 +59,19 @@ int Shade(Random& random, double mean, double deviation) {
   return static_cast<int>(std::clamp(mean + deviation * random.Gaussian(), 8.0, 250.0));
 }
 
+// A glyph's pattern with three of four cells filled.
+std::uint32_t Letter(Random& random) {
+  const std::uint64_t cells = random.Next();
+  return static_cast<std::uint32_t>(cells | random.Next());
+}
+
 void PaintGlyphs(Canvas& canvas, Random& random, Canvas::Point corner, double size_x, double glyph, int lines,
                  int value) {
   for (int line = 0; line < lines; ++line) {
     const double end = corner.x + size_x * random.Uniform(0.5, 1.0);
     for (double x = corner.x; x + 0.7 * glyph < end; x += glyph * random.Uniform(0.75, 1.1)) {
       if (random.Chance(0.16)) continue;
-      canvas.FillGlyph({x, corner.y + line * 1.5 * glyph}, 0.65 * glyph, glyph,
-                       static_cast<std::uint32_t>(random.Next() | random.Next()), value);
+      canvas.FillGlyph({x, corner.y + line * 1.5 * glyph}, 0.65 * glyph, glyph, Letter(random), value);
     }
   }
 }
@@ -91,8 +96,8 @@ void PaintLeaf(Canvas& canvas, Random& random, double size, int value, const Loo
       break;
     }
     case 2:
-      canvas.FillGlyph({center.x - 0.4 * size, center.y - 0.6 * size}, 0.8 * size, 1.2 * size,
-                       static_cast<std::uint32_t>(random.Next() | random.Next()), value, cover);
+      canvas.FillGlyph({center.x - 0.4 * size, center.y - 0.6 * size}, 0.8 * size, 1.2 * size, Letter(random), value,
+                       cover);
       break;
     case 3:  // a long stroke
       canvas.FillTurnedRectangle(center, 2.5 * size_x, 0.3 * size_y, angle, value, cover);
@@ -111,7 +116,8 @@ void PaintLeaves(Canvas& canvas, Random& random, const Look& look, double mean, 
     const double expected = look.leaf_density * area / (size * size);
     const int count = static_cast<int>(expected) + (random.Chance(expected - std::floor(expected)) ? 1 : 0);
     for (int i = 0; i < count; ++i) {
-      PaintLeaf(canvas, random, size * random.Uniform(0.8, 1.25), Shade(random, mean, look.leaf_contrast), look);
+      const double leaf = size * random.Uniform(0.8, 1.25);
+      PaintLeaf(canvas, random, leaf, Shade(random, mean, look.leaf_contrast), look);
     }
   }
 }
@@ -149,8 +155,10 @@ void PaintPoster(Canvas& canvas, Random& random, double mean) {
   canvas.FillRectangle(0.08 * width, 0.32 * height, 0.84 * width, 0.36 * height, Shade(random, 255.0 - mean, 30.0));
   for (int i = 0; i < 14; ++i) {
     const double size = height * random.Uniform(0.02, 0.16);
-    canvas.FillTurnedRectangle({width * random.Uniform(0.12, 0.88), height * random.Uniform(0.36, 0.64)}, size,
-                               size * random.Uniform(0.4, 1.5), random.Uniform(0.0, 3.0), 20 + random.Index(220));
+    const Canvas::Point center{width * random.Uniform(0.12, 0.88), height * random.Uniform(0.36, 0.64)};
+    const double other_size = size * random.Uniform(0.4, 1.5);
+    const double angle = random.Uniform(0.0, 3.0);
+    canvas.FillTurnedRectangle(center, size, other_size, angle, 20 + random.Index(220));
   }
   PaintGlyphs(canvas, random, {0.08 * width, 0.72 * height}, 0.84 * width, 0.04 * height, 4, ink);
   PaintFrame(canvas, 0.015, ink);
@@ -164,8 +172,9 @@ void PaintWindow(Canvas& canvas, Random& random) {
     const int wall = 90 + random.Index(100);
     canvas.FillRectangle(x, top, width, canvas.size_y() - top, wall);
     for (int i = 0; i < 10; ++i) {
-      canvas.FillRectangle(x + width * random.Uniform(0.05, 0.85), top + random.Uniform(0.03, 0.8), 0.1 * width, 0.05,
-                           wall + (random.Chance(0.5) ? 50 : -50));
+      const double left = x + width * random.Uniform(0.05, 0.85);
+      const double height = random.Uniform(0.03, 0.8);
+      canvas.FillRectangle(left, top + height, 0.1 * width, 0.05, wall + (random.Chance(0.5) ? 50 : -50));
     }
     x += width;
   }
@@ -199,7 +208,8 @@ void PaintBook(Canvas& canvas, Random& random, double mean) {
   const double height = canvas.size_y();
   const int ink = mean > 130.0 ? 30 : 225;
   for (int i = 0; i < 3; ++i) {
-    canvas.FillRectangle(0.0, height * random.Unit(), canvas.size_x(), 0.05 * height, Shade(random, mean, 60.0));
+    const double stripe = height * random.Unit();
+    canvas.FillRectangle(0.0, stripe, canvas.size_x(), 0.05 * height, Shade(random, mean, 60.0));
   }
   PaintGlyphs(canvas, random, {0.15 * canvas.size_x(), 0.2 * height}, 0.8 * canvas.size_x(),
               0.3 * std::min(canvas.size_x(), height), 2, ink);

@@ -79,10 +79,12 @@ void AddCeilingWork(FloorPlan& plan) {
 void AddCrates(FloorPlan& plan, Random& random, const Vector3d& foot, double size, int count) {
   double height = 0.0;
   for (int i = 0; i < count; ++i) {
-    const Vector3d half(size * random.Uniform(0.38, 0.5), size * random.Uniform(0.38, 0.5),
-                        size * random.Uniform(0.3, 0.5));
+    const double half_x = size * random.Uniform(0.38, 0.5);
+    const double half_y = size * random.Uniform(0.38, 0.5);
+    const Vector3d half(half_x, half_y, size * random.Uniform(0.3, 0.5));
     const Material material = random.Chance(0.5) ? Material::kWood : Material::kCarton;
-    const Vector3d shift(random.Uniform(-0.06, 0.06), random.Uniform(-0.06, 0.06), height + half.z());
+    const double shift_x = random.Uniform(-0.06, 0.06);
+    const Vector3d shift(shift_x, random.Uniform(-0.06, 0.06), height + half.z());
     plan.AddBox(foot + shift, half, random.Uniform(0.0, std::numbers::pi), material);
     height += 2.0 * half.z();
     size *= random.Uniform(0.75, 0.95);
@@ -188,7 +190,8 @@ void FurnishWall(FloorPlan& plan, Random& random, const Wall& wall) {
       AddGoods(plan, random, wall.At(along, 2.0 * half.z(), 0.25), wall.right, width, 0.4, 0.4);
     } else if (choice < 8) {
       width = 0.9;
-      AddCrates(plan, random, wall.At(along + 0.45, 0.0, 0.55), random.Uniform(0.6, 0.9), 1 + random.Index(3));
+      const double size = random.Uniform(0.6, 0.9);
+      AddCrates(plan, random, wall.At(along + 0.45, 0.0, 0.55), size, 1 + random.Index(3));
     } else {
       width = std::min(random.Uniform(0.9, 1.3), room);
       AddDoor(plan, wall, along, width);
@@ -203,7 +206,8 @@ bool IsFree(const FloorPlan& plan, const Vector3d& center, double radius) {
 }
 
 void AddTable(FloorPlan& plan, Random& random, const Vector3d& foot, double yaw) {
-  const Vector3d half(random.Uniform(0.6, 0.85), random.Uniform(0.32, 0.42), 0.02);
+  const double half_length = random.Uniform(0.6, 0.85);
+  const Vector3d half(half_length, random.Uniform(0.32, 0.42), 0.02);
   const double height = random.Uniform(0.7, 0.8);
   const Vector3d right(std::cos(yaw), std::sin(yaw), 0.0);
   const Vector3d back(-right.y(), right.x(), 0.0);
@@ -235,19 +239,22 @@ void AddChair(FloorPlan& plan, const Vector3d& foot, double yaw) {
 void FurnishMiddle(FloorPlan& plan, Random& random) {
   for (const double x : {-2.2, 0.3, 2.6}) {
     const double yaw = random.Uniform(0.0, std::numbers::pi);
-    const Vector3d foot(x + random.Uniform(-0.4, 0.4), random.Uniform(-0.9, 0.9), 0.0);
+    const double shift_x = random.Uniform(-0.4, 0.4);
+    const Vector3d foot(x + shift_x, random.Uniform(-0.9, 0.9), 0.0);
     plan.AddBox(foot + 1.05 * kUp, {0.8, 0.05, 1.05}, yaw, Material::kPoster);
   }
   constexpr int kTries = 90;
   int tables = 0;
   for (int i = 0; i < kTries; ++i) {
-    const Vector3d foot(random.Uniform(-4.0, 4.0), random.Uniform(-1.9, 1.9), 0.0);
+    const double x = random.Uniform(-4.0, 4.0);
+    const Vector3d foot(x, random.Uniform(-1.9, 1.9), 0.0);
     const double yaw = random.Uniform(0.0, std::numbers::pi);
     if (tables < 5 && IsFree(plan, foot + 0.5 * kUp, 0.95)) {
       AddTable(plan, random, foot, yaw);
       ++tables;
     } else if (IsFree(plan, foot + 0.4 * kUp, 0.6) && random.Chance(0.5)) {
-      AddCrates(plan, random, foot, random.Uniform(0.5, 0.8), 1 + random.Index(3));
+      const double size = random.Uniform(0.5, 0.8);
+      AddCrates(plan, random, foot, size, 1 + random.Index(3));
     } else if (IsFree(plan, foot + 0.4 * kUp, 0.32)) {
       AddChair(plan, foot, yaw);
     }

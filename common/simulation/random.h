@@ -15,7 +15,9 @@ inline std::uint64_t MixSeed(std::uint64_t seed, std::uint64_t part) {
   return z ^ (z >> 31);
 }
 
-// A small generator with its own distributions: those of the standard library differ between implementations.
+// A small generator with its own distributions: those of the standard library differ between implementations. So does
+// the order in which compilers evaluate the arguments of a call and the operands of an operator: several draws stand in
+// statements of their own, or in braces, which are ordered.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}

@@ -123,8 +123,9 @@ class CorrectingServer {
   }
   int Below(std::size_t bound) { return static_cast<int>(random_() % bound); }
   double Uniform() { return std::uniform_real_distribution<double>(-1.0, 1.0)(random_); }
-  Eigen::Vector3d Vector(double size) { return size * Eigen::Vector3d(Uniform(), Uniform(), Uniform()); }
-  Rigid3d Motion(double size) { return Rigid3d(ExpSo3(Vector(size)), Vector(size)); }
+  // Braces, unlike parentheses, draw in order.
+  Eigen::Vector3d Vector(double size) { return size * Eigen::Vector3d{Uniform(), Uniform(), Uniform()}; }
+  Rigid3d Motion(double size) { return Rigid3d{ExpSo3(Vector(size)), Vector(size)}; }
 
   std::vector<const Keyframe*> Keyframes(SessionId session) const {
     std::vector<const Keyframe*> all;

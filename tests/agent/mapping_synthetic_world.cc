@@ -13,7 +13,9 @@ constexpr double kHalfHeight = 2.0;  // metres
 Eigen::Vector3d PointOnWalls(std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   const Eigen::Vector3d half(kHalfWidth, kHalfWidth, kHalfHeight);
-  Eigen::Vector3d point = Eigen::Vector3d(unit(random), unit(random), unit(random)).cwiseProduct(half);
+  // Braces, unlike parentheses, draw in order.
+  const Eigen::Vector3d share{unit(random), unit(random), unit(random)};
+  Eigen::Vector3d point = share.cwiseProduct(half);
   const double side = unit(random) > 0.0 ? 1.0 : -1.0;
   // Four walls of 40 m2, floor and ceiling of 100 m2.
   const double choice = std::uniform_real_distribution<double>(0.0, 360.0)(random);

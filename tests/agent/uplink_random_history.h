@@ -58,8 +58,9 @@ class RandomHistory {
  private:
   int Below(int bound) { return static_cast<int>(random_() % static_cast<std::uint64_t>(bound)); }
   double Uniform() { return std::uniform_real_distribution<double>(-1.0, 1.0)(random_); }
-  Eigen::Vector3d Vector(double size) { return size * Eigen::Vector3d(Uniform(), Uniform(), Uniform()); }
-  Rigid3d Motion(double size) { return Rigid3d(ExpSo3(Vector(size)), Vector(size)); }
+  // Braces, unlike parentheses, draw in order.
+  Eigen::Vector3d Vector(double size) { return size * Eigen::Vector3d{Uniform(), Uniform(), Uniform()}; }
+  Rigid3d Motion(double size) { return Rigid3d{ExpSo3(Vector(size)), Vector(size)}; }
   // Mostly the newest, as in life.
   template <typename Tag>
   Id<Tag> Any(const std::vector<Id<Tag>>& ids) {

@@ -153,7 +153,10 @@ inline BundleWorld MakeBundleWorld(std::uint64_t seed, const BundleWorldOptions&
       const bool no_right = !options.stereo || random() % 3 == 0 || observation.measurement.z() < 0.0;
       if (no_right) observation.measurement.z() = -1.0;
       const bool outlier = Uniform(random, 0.0, 1.0) < options.outlier_ratio;
-      if (outlier) observation.measurement.x() += (random() % 2 == 0 ? 1.0 : -1.0) * Uniform(random, 20.0, 100.0);
+      if (outlier) {
+        const double sign = random() % 2 == 0 ? 1.0 : -1.0;
+        observation.measurement.x() += sign * Uniform(random, 20.0, 100.0);
+      }
       truth.observations.push_back(observation);
       world.is_outlier.push_back(outlier ? 1 : 0);
     }

@@ -65,7 +65,7 @@ TEST(AbsoluteError, NoiseOfKnownSizeIsFound) {
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0.0, 0.01);
   for (StampedPose& pose : estimate) {
-    const Eigen::Vector3d error(noise(random), noise(random), noise(random));
+    const Eigen::Vector3d error{noise(random), noise(random), noise(random)};  // braces draw in order
     pose.world_from_body = Rigid3d(pose.world_from_body.rotation(), pose.world_from_body.translation() + error);
   }
   const AbsoluteError result =

@@ -31,7 +31,10 @@ Keypoint MakeKeypoint(float u, float v, int octave = 0, int angle = 0) {
 std::vector<Keypoint> RandomKeypoints(int count, std::mt19937_64& random) {
   std::uniform_real_distribution<float> u(-20.0F, 760.0F), v(0.0F, 480.0F);
   std::vector<Keypoint> keypoints;
-  for (int i = 0; i < count; ++i) keypoints.push_back(MakeKeypoint(u(random), v(random), i % kOctaves));
+  for (int i = 0; i < count; ++i) {
+    const float column = u(random);
+    keypoints.push_back(MakeKeypoint(column, v(random), i % kOctaves));
+  }
   return keypoints;
 }
 

@@ -27,7 +27,7 @@ class Random {
 
 Similarity3d RandomSimilarity(Random& random, bool with_scale) {
   const double scale = with_scale ? std::exp(random.Vector(1.5).x()) : 1.0;
-  return Similarity3d(scale, ExpSo3(random.Vector(1.8)), random.Vector(10.0));
+  return Similarity3d{scale, ExpSo3(random.Vector(1.8)), random.Vector(10.0)};  // braces draw in order
 }
 
 TEST(AlignPoints, RecoversTheSimilarityOfExactPoints) {

@@ -26,7 +26,8 @@ Scene MakeScene(std::uint64_t seed) {
   scene.camera_from_map = Rigid3d::Exp(twist);
   for (int i = 0; i < 3; ++i) {
     const double depth = uniform(1.0, 20.0);
-    const Eigen::Vector3d point = depth * Eigen::Vector3d(uniform(-0.9, 0.9), uniform(-0.6, 0.6), 1.0);
+    const Eigen::Vector3d ray{uniform(-0.9, 0.9), uniform(-0.6, 0.6), 1.0};  // braces draw in order
+    const Eigen::Vector3d point = depth * ray;
     scene.bearings[i] = point.normalized();
     scene.points[i] = scene.camera_from_map.Inverse() * point;
   }

@@ -28,6 +28,11 @@ double Uniform(std::mt19937_64& random, double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(random);
 }
 
+Eigen::Vector3d RandomPoint(std::mt19937_64& random, double nearest, double farthest) {
+  // Braces, unlike parentheses, draw in order.
+  return {Uniform(random, -2.0, 2.0), Uniform(random, -1.0, 1.0), Uniform(random, nearest, farthest)};
+}
+
 // Views of `point_in_map` from random places around the origin, looking along +z.
 std::vector<PointView> MakeViews(std::mt19937_64& random, const Eigen::Vector3d& point_in_map, int count, double noise,
                                  bool stereo) {
@@ -49,7 +54,7 @@ std::vector<PointView> MakeViews(std::mt19937_64& random, const Eigen::Vector3d&
 TEST(TriangulateMidpoint, TwoRaysThroughAPointMeetThere) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     std::mt19937_64 random(seed);
-    const Eigen::Vector3d point(Uniform(random, -2.0, 2.0), Uniform(random, -1.0, 1.0), Uniform(random, 3.0, 20.0));
+    const Eigen::Vector3d point = RandomPoint(random, 3.0, 20.0);
     const auto views = MakeViews(random, point, 2, 0.0, false);
     const Ray a = PixelRay(views[0].camera, views[0].camera_from_map, views[0].measurement.head<2>());
     const Ray b = PixelRay(views[1].camera, views[1].camera_from_map, views[1].measurement.head<2>());
@@ -86,7 +91,7 @@ TEST(ParallaxAngle, IsTheAngleBetweenDirections) {
 TEST(RefinePoint, ExactViewsGiveTheExactPoint) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     std::mt19937_64 random(seed);
-    const Eigen::Vector3d point(Uniform(random, -2.0, 2.0), Uniform(random, -1.0, 1.0), Uniform(random, 3.0, 10.0));
+    const Eigen::Vector3d point = RandomPoint(random, 3.0, 10.0);
     const bool stereo = seed % 2 == 0;
     const auto views = MakeViews(random, point, stereo ? 1 : 3, 0.0, stereo);
     const auto refined = RefinePoint(views, 1.2 * point, {.max_iterations = 20});
@@ -134,7 +139,7 @@ TEST(RefinePoint, WithoutParallaxOrInFrontOfNobodyThereIsNoPoint) {
 TEST(ReprojectionJacobian, IsTheNumericDerivative) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     std::mt19937_64 random(seed);
-    const Eigen::Vector3d point(Uniform(random, -2.0, 2.0), Uniform(random, -1.0, 1.0), Uniform(random, 1.0, 10.0));
+    const Eigen::Vector3d point = RandomPoint(random, 1.0, 10.0);
     const bool stereo = seed % 2 == 0;
     const Eigen::Vector3d measurement(10.0, 20.0, stereo ? 5.0 : -1.0);
     const Eigen::Matrix3d jacobian = ReprojectionJacobian(Camera(), point, stereo);

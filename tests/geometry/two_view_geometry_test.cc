@@ -28,9 +28,10 @@ Views MakeViews(std::uint64_t seed, bool plane, std::size_t points) {
   Vector6d twist;
   for (int k = 0; k < 6; ++k) twist(k) = uniform(-0.3, 0.3);
   views.second_from_first = Rigid3d::Exp(twist);
-  const Eigen::Vector3d slope(uniform(-0.3, 0.3), uniform(-0.3, 0.3), 0.0);
+  // Braces, unlike parentheses, draw in order.
+  const Eigen::Vector3d slope{uniform(-0.3, 0.3), uniform(-0.3, 0.3), 0.0};
   while (views.first.size() < points) {
-    const Eigen::Vector2d ray(uniform(-0.8, 0.8), uniform(-0.5, 0.5));
+    const Eigen::Vector2d ray{uniform(-0.8, 0.8), uniform(-0.5, 0.5)};
     const double depth = plane ? 4.0 / (1.0 + slope.dot(ray.homogeneous())) : uniform(2.0, 8.0);
     const Eigen::Vector3d in_second = views.second_from_first * (depth * ray.homogeneous());
     if (in_second.z() < 0.5) continue;

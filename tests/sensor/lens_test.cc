@@ -38,7 +38,7 @@ TEST(Lens, UndistortingWhatALensDistortedGivesTheRayBack) {
   std::uniform_real_distribution<double> coordinate(-1.0, 1.0);
   for (const LensModel& lens : {WideAngle(), Fisheye()}) {
     for (int i = 0; i < 1000; ++i) {
-      const Eigen::Vector2d point(coordinate(random), 0.7 * coordinate(random));
+      const Eigen::Vector2d point{coordinate(random), 0.7 * coordinate(random)};  // braces draw in order
       const auto back = lens.Undistort(lens.Distort(point));
       ASSERT_TRUE(back);
       EXPECT_LT((*back - point).norm(), 1e-9);

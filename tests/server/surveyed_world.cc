@@ -79,7 +79,7 @@ void SurveyedWorld::MapCorner(const Keyframe& keyframe, std::uint32_t keypoint, 
   KnownCorner& entry = session.corners[corner];
   entry = {.landmark = {}, .last_seen = now};
   if (std::uniform_real_distribution<double>()(random_) > session.options.mapped) return;
-  const Eigen::Vector3d noise(Normal(), Normal(), Normal());
+  const Eigen::Vector3d noise{Normal(), Normal(), Normal()};  // braces draw in order
   const Eigen::Vector3d point = CornerPosition(corner) + session.options.point_noise * noise;
   entry.landmark = {keyframe.id.session, ++session.landmarks};
   const Eigen::Vector3d point_in_map = session.DriftedMapFromWorld() * point;

@@ -20,7 +20,7 @@ Scene LookAt(double depth) {
   std::uniform_real_distribution<double> column(20.0, 730.0), row(20.0, 460.0), spread(0.8, 1.2);
   std::vector<PoseObservation> observations;
   for (int i = 0; i < 200; ++i) {
-    const Eigen::Vector2d pixel(column(random), row(random));
+    const Eigen::Vector2d pixel{column(random), row(random)};  // braces draw in order
     LocalLandmark& landmark = scene.local_map.landmarks.emplace_back();
     landmark.point_in_map = depth * spread(random) * Camera().Unproject(pixel);
     observations.push_back({landmark.point_in_map, {pixel.x(), pixel.y(), -1.0}, 1.0 / 0.5});
