@@ -224,18 +224,30 @@ LocalMappingOptions SmallWindows() {
 }
 
 TEST(LocalMapper, ComingBackSharesTheDriftAmongTheWholeWay) {
-  const SyntheticWorldOptions one_camera{
-      .points = 1500, .stereo = false, .pixel_noise = 0.6, .position_noise = 0.0, .rotation_noise = 0.0};
-  LocalMappingOptions options = SmallWindows();
-  Walk walk(one_camera, options);
-  options.wide_adjustment.enabled = false;
-  Walk local(one_camera, options);
-  walk.WalkCircle(0, 100, 60);
-  local.WalkCircle(0, 100, 60);
-  EXPECT_GE(walk.stages.begun["mapping.wide_adjustment"], 1);
-  EXPECT_EQ(local.stages.begun["mapping.wide_adjustment"], 0);
-  EXPECT_LT(walk.AlignedError(), 0.7 * local.AlignedError());
-  EXPECT_THAT(CheckConsistency(walk.mapper.atlas()), IsEmpty());
+  // Over several worlds: by chance, a way drifts so little that there is nothing to share.
+  double squares = 0.0;
+  double squares_local = 0.0;
+  for (std::uint64_t seed = 1; seed <= kWorlds; ++seed) {
+    const SyntheticWorldOptions one_camera{.seed = seed,
+                                           .points = 1500,
+                                           .stereo = false,
+                                           .pixel_noise = 0.6,
+                                           .position_noise = 0.0,
+                                           .rotation_noise = 0.0};
+    LocalMappingOptions options = SmallWindows();
+    Walk walk(one_camera, options);
+    options.wide_adjustment.enabled = false;
+    Walk local(one_camera, options);
+    walk.WalkCircle(0, 100, 60);
+    local.WalkCircle(0, 100, 60);
+    EXPECT_GE(walk.stages.begun["mapping.wide_adjustment"], 1);
+    EXPECT_EQ(local.stages.begun["mapping.wide_adjustment"], 0);
+    EXPECT_LT(walk.AlignedError(), 1.5 * local.AlignedError()) << "seed " << seed;
+    EXPECT_THAT(CheckConsistency(walk.mapper.atlas()), IsEmpty());
+    squares += std::pow(walk.AlignedError(), 2);
+    squares_local += std::pow(local.AlignedError(), 2);
+  }
+  EXPECT_LT(std::sqrt(squares), 0.7 * std::sqrt(squares_local));
 }
 
 TEST(LocalMapper, AWayThatDoesNotComeBackIsNotAdjustedAsAWhole) {
