@@ -17,6 +17,7 @@ std::optional<MapOptimization> OptimizeMap(const Atlas& snapshot, MapId map, con
   if (!bundle) return std::nullopt;
   MapOptimization result;
   result.fused = fusion.fused;
+  result.looks = fusion.looks;
   result.optimized.joins = std::move(fusion.edits);
   result.optimized.corrections.push_back(std::move(fusion.correction));
   result.optimized.corrections.push_back(std::move(bundle->correction));

@@ -21,6 +21,7 @@ struct MapOptimizationOptions {
 struct MapOptimization {
   OptimizedMap optimized;
   std::size_t fused = 0;  // duplicates all along the map
+  std::size_t looks = 0;  // as MapFusion's
   GlobalBundle bundle;    // its correction and removals are part of `optimized`
 };
 

@@ -197,6 +197,33 @@ class FakeOptimizer {
   int begun_ GUARDED_BY(mutex_) = 0;
 };
 
+// One that says how much of the map it was told has been seen, and that it has seen one landmark more each time. The
+// second time it takes until it is stopped.
+class FakeLooker {
+ public:
+  std::optional<OptimizedMap> operator()(const LookedAtMap& before, const std::stop_token& stop) {
+    MutexLock lock(mutex_);
+    told_.push_back(before.landmarks.size());
+    changed_.notify_all();
+    const std::size_t times = told_.size();
+    if (times == 2) changed_.wait(mutex_, stop, [] { return false; });
+    OptimizedMap result;
+    result.removals.push_back(RemoveLandmark{L(1)});
+    result.looked_at.emplace().landmarks.resize(times);
+    return result;
+  }
+  std::vector<std::size_t> WaitForBegin(std::size_t times) {
+    MutexLock lock(mutex_);
+    changed_.wait(mutex_, [&]() REQUIRES(mutex_) { return told_.size() >= times; });
+    return told_;
+  }
+
+ private:
+  Mutex mutex_;
+  ConditionVariable changed_;
+  std::vector<std::size_t> told_ GUARDED_BY(mutex_);
+};
+
 std::vector<MapEdit> KeepAll(const IngestState&, const std::stop_token&) { return {}; }
 
 std::optional<OptimizedMap> OptimizeNothing(const Atlas&, MapId, const LookedAtMap&, const std::stop_token&) {
@@ -266,6 +293,20 @@ TEST_F(OptimizationThreadTest, WeldsCancelTheRunningOneWhichIsLaunchedAgain) {
   optimizer.WaitForBegin(3);
   // Before the end, which cancels the third.
   EXPECT_EQ(ledger_.Read().cancelled_optimizations, 2u);
+  thread.Stop();
+}
+
+TEST_F(OptimizationThreadTest, WhatALookSawIsKnownToTheNextOneWhereItsResultWasTaken) {
+  FakeLooker looker;
+  OptimizationThread& thread = Start(
+      [&](const Atlas&, MapId, const LookedAtMap& before, const std::stop_token& stop) { return looker(before, stop); },
+      KeepAll);
+  thread.Welded(M(1), {});
+  while (ledger_.Read().global_ms.count() < 1) std::this_thread::yield();
+  thread.Welded(M(1), {});
+  looker.WaitForBegin(2);
+  thread.Welded(M(1), {});
+  EXPECT_EQ(looker.WaitForBegin(3), (std::vector<std::size_t>{0, 1, 1})) << "the second one was cancelled";
   thread.Stop();
 }
 

@@ -2,9 +2,9 @@
 //   economy_replay atlas.db STEP... -- NAME=DATASET...
 // Steps: weld[:SEARCHED:KEYFRAMES] (look up every keyframe, weld what is recognised, with such windows), optimize
 // (duplicates along the map, global bundle adjustment), economize (what a map needs no longer), grow (all of that for
-// one session after the other), forget (the next looks are at everything), fuse:RADIUS:DISTANCE:RATIO (duplicates
-// alone), thin:KEPT:KEPT_IN_CELL:MAX_OBSERVERS (weak landmarks), cull (redundant keyframes), count (by how many
-// keyframes landmarks are seen).
+// one session after the other), forget (the next looks are at everything), seen:STORE (they are at what has changed
+// since that store), fuse:RADIUS:DISTANCE:RATIO (duplicates alone), thin:KEPT:KEPT_IN_CELL:MAX_OBSERVERS (weak
+// landmarks), cull (redundant keyframes), count (by how many keyframes landmarks are seen).
 #include <cstdio>
 #include <ctime>
 #include <functional>
@@ -73,6 +73,7 @@ class Replay {
     if (step == "count") Count();
     if (step == "optimize") Optimize();
     if (step == "grow") Grow();
+    if (step.starts_with("seen:")) TakeAsSeen(step.substr(5));
     if (step == "forget") looked_at_ = economized_ = {};
     if (step == "cull") Cull();
     if (step == "economize") Economize();
@@ -124,6 +125,14 @@ class Replay {
         CpuSeconds() - looked);
     before = *fusion.looked_at;
     return fusion;
+  }
+
+  void TakeAsSeen(const std::string& store) {
+    const auto earlier = ReadStoredAtlas(store);
+    if (!earlier) return (void)std::printf("%s\n", earlier.error().message.c_str());
+    for (const MapId map : earlier->atlas().Maps()) {
+      looked_at_[map] = economized_[map] = LookedAtMap::Of(earlier->atlas(), map);
+    }
   }
 
   void Optimize() {

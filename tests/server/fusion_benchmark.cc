@@ -69,36 +69,37 @@ void FuseAllOfTheMap(benchmark::State& state) {
 }
 BENCHMARK(FuseAllOfTheMap)->Arg(250)->Unit(benchmark::kMillisecond);
 
-// A merged map that has been looked at, to which a session was welded that flew a tenth of the way again.
-struct GrownMap {
-  explicit GrownMap(int keyframes) : world(TwoLargeMaps(keyframes)) {
+// A merged map, and what the looks saw that rid it of duplicates.
+struct SettledMap {
+  explicit SettledMap(int keyframes) : world(TwoLargeMaps(keyframes)) {
     Weld(MatchInTheMiddle(world));
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 4; ++i) {
       const MapFusion fusion = FuseDuplicates(world.atlas, map, {}, seen, {});
-      Carry(fusion);
+      ApplyTolerantly(fusion.edits, world.atlas);
+      for (const MapEdit& edit : Rebase(fusion.correction, world.atlas)) {
+        PANGAEA_CHECK(Apply(edit, world.atlas).has_value());
+      }
       seen = *fusion.looked_at;
     }
+  }
+
+  // A session that flew a tenth of the way again.
+  void Grow(int keyframes) {
     SurveyOptions third;
     third.stamp_ns = 2'000'000'000'000'000;
     third.mapped = 0.45;
     third.map_from_world = RandomFrame(8);
     const int middle = keyframes / 2;
     world.Fly(kThird, CirclePoses(middle, middle + keyframes / 10, kLap), third);
-    Weld(
-        world.TrueMatch(world.KeyframesOf(kThird)[5], world.KeyframesOf(kOlder)[static_cast<std::size_t>(middle + 5)]));
+    const auto meeting = static_cast<std::size_t>(middle + 5);
+    Weld(world.TrueMatch(world.KeyframesOf(kThird)[5], world.KeyframesOf(kOlder)[meeting]));
   }
 
   void Weld(const PlaceMatch& match) {
     const WeldingOutcome plan = PlanWelding(world.atlas, match, {}, {});
     PANGAEA_CHECK(plan.has_value());
-    testing::Carry(*plan, world.atlas);
+    Carry(*plan, world.atlas);
     map = plan->map;
-  }
-  void Carry(const MapFusion& fusion) {
-    ApplyTolerantly(fusion.edits, world.atlas);
-    for (const MapEdit& edit : Rebase(fusion.correction, world.atlas)) {
-      PANGAEA_CHECK(Apply(edit, world.atlas).has_value());
-    }
   }
 
   static constexpr SessionId kThird = 0x33;
@@ -107,19 +108,28 @@ struct GrownMap {
   LookedAtMap seen;
 };
 
-void LookAlong(benchmark::State& state, bool everything) {
-  GrownMap grown(static_cast<int>(state.range(0)));
-  const LookedAtMap before = everything ? LookedAtMap() : grown.seen;
+enum class Since { kNever, kLastLook };
+
+void Look(benchmark::State& state, bool grown, Since since) {
+  SettledMap settled(static_cast<int>(state.range(0)));
+  if (grown) settled.Grow(static_cast<int>(state.range(0)));
+  const LookedAtMap before = since == Since::kLastLook ? settled.seen : LookedAtMap();
   for (auto _ : state) {
-    const MapFusion fusion = FuseDuplicates(grown.world.atlas, grown.map, {}, before, {});
+    const MapFusion fusion = FuseDuplicates(settled.world.atlas, settled.map, {}, before, {});
     state.counters["fused"] = static_cast<double>(fusion.fused);
     state.counters["looks"] = static_cast<double>(fusion.looks);
   }
 }
-void LookAtEverything(benchmark::State& state) { LookAlong(state, true); }
-void LookAtWhatChanged(benchmark::State& state) { LookAlong(state, false); }
-BENCHMARK(LookAtEverything)->Arg(125)->Arg(250)->Unit(benchmark::kMillisecond);
-BENCHMARK(LookAtWhatChanged)->Arg(125)->Arg(250)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(Look, grown_at_everything, true, Since::kNever)->Arg(125)->Arg(250)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(Look, grown_at_what_changed, true, Since::kLastLook)
+    ->Arg(125)
+    ->Arg(250)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(Look, same_at_everything, false, Since::kNever)->Arg(125)->Arg(250)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(Look, same_at_what_changed, false, Since::kLastLook)
+    ->Arg(125)
+    ->Arg(250)
+    ->Unit(benchmark::kMillisecond);
 
 void CullRedundant(benchmark::State& state) {
   const SurveyedWorld world = TwoLargeMaps(static_cast<int>(state.range(0)));
