@@ -54,10 +54,7 @@ bool LocalMapper::Insert(const KeyframeCandidate& candidate, StageRecorder& stag
     const StageScope stage(stages, "mapping.bundle_adjustment");
     adjusted = AdjustBundle(candidate.id, stop);
   }
-  if (NeedsWideAdjustment(candidate.id, adjusted)) {
-    const StageScope stage(stages, "mapping.wide_adjustment");
-    AdjustWidely(candidate.id, stop);
-  }
+  if (NeedsWideAdjustment(candidate.id, adjusted)) AdjustWidely(candidate.id, stages, stop);
   {
     const StageScope stage(stages, "mapping.cull_keyframes");
     CullKeyframes(candidate.id, candidate.reference);
@@ -164,13 +161,14 @@ bool LocalMapper::NeedsWideAdjustment(KeyframeId newest, std::span<const Landmar
   return StrainOf(atlas_, landmarks, options.strain_samples, options_.noise).share() > options.max_strain;
 }
 
-void LocalMapper::AdjustWidely(KeyframeId newest, std::stop_token stop) {
+void LocalMapper::AdjustWidely(KeyframeId newest, StageRecorder& stages, std::stop_token stop) {
+  const StageScope stage(stages, "mapping.wide_adjustment");
   const WideAdjustmentOptions& options = options_.wide_adjustment;
   adjusted_widely_at_ = newest.counter;
   const AdjustmentWindow window = ChooseAdjustmentWindow(atlas_, newest, options.bundle_adjustment);
   LocalAdjustment adjustment =
       AdjustLocalMap(atlas_, window, options.bundle_adjustment, options_.noise, std::move(stop));
-  if (adjustment.outlier_share <= options.max_strain) CommitAdjustment(std::move(adjustment));
+  if (adjustment.outlier_share <= options.max_outliers) CommitAdjustment(std::move(adjustment));
 }
 
 void LocalMapper::CommitAdjustment(LocalAdjustment adjustment) {

@@ -61,7 +61,7 @@ class LocalMapper {
   std::vector<LandmarkId> AdjustBundle(KeyframeId newest, std::stop_token stop);
   // Whether the map is strained at these landmarks, and the latest wide adjustment far enough back.
   bool NeedsWideAdjustment(KeyframeId newest, std::span<const LandmarkId> landmarks) const;
-  void AdjustWidely(KeyframeId newest, std::stop_token stop);
+  void AdjustWidely(KeyframeId newest, StageRecorder& stages, std::stop_token stop);
   void CommitAdjustment(LocalAdjustment adjustment);
   void CullKeyframes(KeyframeId newest, KeyframeId reference);
   // The only place where the atlas changes.

@@ -61,6 +61,7 @@ Status CheckAdjustment(std::string_view owner, const LocalBundleAdjustmentOption
 
 void CheckWideAdjustment(const WideAdjustmentOptions& wide, RangeCheck& check) {
   check.In("wide_adjustment.max_strain", wide.max_strain, 0, 1)
+      .In("wide_adjustment.max_outliers", wide.max_outliers, 0, 1)
       .In("wide_adjustment.strain_samples", wide.strain_samples, 1, 100000)
       .In("wide_adjustment.min_gap", wide.min_gap, 1, 100000)
       .In("wide_adjustment.min_growth", wide.min_growth, 0, 100);

@@ -250,6 +250,21 @@ TEST(LocalMapper, ComingBackSharesTheDriftAmongTheWholeWay) {
   EXPECT_LT(std::sqrt(squares), 0.7 * std::sqrt(squares_local));
 }
 
+TEST(LocalMapper, AWideAdjustmentThatLeavesTooManyContradictionsChangesNothing) {
+  const SyntheticWorldOptions one_camera{
+      .points = 1500, .stereo = false, .pixel_noise = 0.6, .position_noise = 0.0, .rotation_noise = 0.0};
+  LocalMappingOptions options = SmallWindows();
+  options.noise.pixel_sigma = 0.5;  // in a world of 0.6, so that some contradictions always remain
+  options.wide_adjustment.max_outliers = 0.0;
+  Walk refused(one_camera, options);
+  options.wide_adjustment.enabled = false;
+  Walk local(one_camera, options);
+  refused.WalkCircle(0, 70, 60);
+  local.WalkCircle(0, 70, 60);
+  EXPECT_GE(refused.stages.begun["mapping.wide_adjustment"], 1);
+  EXPECT_EQ(Digest(refused.mapper.atlas()), Digest(local.mapper.atlas()));
+}
+
 TEST(LocalMapper, AWayThatDoesNotComeBackIsNotAdjustedAsAWhole) {
   Walk walk(SyntheticWorldOptions{.stereo = false, .position_noise = 0.0, .rotation_noise = 0.0}, SmallWindows());
   walk.WalkCircle(0, 30, 60);
