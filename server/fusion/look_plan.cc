@@ -1,6 +1,7 @@
 #include "server/fusion/look_plan.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <utility>
@@ -10,8 +11,9 @@ namespace {
 
 // This part of the landmarks in view moves with the keyframe; what moves further has moved on its own.
 constexpr double kTogether = 0.8;
-// By this share a landmark's observers have to have become more: then there are views that look like others' views.
-constexpr double kGrowth = 0.25;
+// By this share a landmark's observers have to have become more, or fewer: then there are views like those of others,
+// or none is left that contradicted them.
+constexpr double kOtherObservers = 0.25;
 
 // nullptr where there is none.
 template <typename States>
@@ -88,7 +90,8 @@ class LookPlanner {
   bool IsChanged(LookedAtMap::LandmarkState& landmark, const Place& place, double limit) const {
     if (!place.known) return true;
     const auto* before = Find(before_.landmarks, landmark.id);
-    if (landmark.observers > (1.0 + kGrowth) * before->observers || taken_along_.contains(landmark.id)) return true;
+    const double change = std::abs(static_cast<double>(landmark.observers) - before->observers);
+    if (change > kOtherObservers * before->observers || taken_along_.contains(landmark.id)) return true;
     const float crept = before->crept + place.apart;
     if (crept > limit) return true;
     landmark.crept = crept;

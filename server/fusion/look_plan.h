@@ -21,8 +21,9 @@ struct LookPlan {
 // What has changed in a map since `before` so much that a search might find what it did not find then:
 // - keyframes that are new, or in whose image most of what is in view has moved by more than half of `tolerance`
 //   (pixels);
-// - landmarks that are new, that clearly more keyframes see, that have moved by as much apart from what is around them,
-//   or that a keyframe sees which has moved.
+// - landmarks that are new, that clearly more or fewer keyframes see, that have moved by as much apart from what is
+// around
+//   them, or that a keyframe sees which has moved.
 // Motions add up from look to look: what is not looked for in a keyframe has moved in its image by no more than
 // `tolerance` since it was. What moves together has not moved.
 // Left alone is what could take the place of a landmark that a keypoint has lost: an observation more, no duplicate.

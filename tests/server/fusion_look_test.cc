@@ -198,9 +198,9 @@ TEST_P(Look, OfAMapThatWasCulledItFindsWhatIsTwice) {
   const std::size_t before = CountDuplicates(flown_.world, atlas_);
   const MapFusion changed = FuseDuplicates(atlas_, kMap, {}, seen_, {});
   EXPECT_GT(changed.fused, 30U);
-  // The cull lets some old landmarks fit each other that did not before. They wait for a change of their own: none in
-  // most worlds, a tenth of the duplicates in few.
-  EXPECT_LE(DuplicatesAfter(changed), DuplicatesAfter(LookEverywhere(atlas_)) + before / 8);
+  // The cull lets old landmarks fit each other that did not before. Those that lost few observers wait for a change of
+  // their own: none in most worlds.
+  EXPECT_LE(DuplicatesAfter(changed), DuplicatesAfter(LookEverywhere(atlas_)) + before / 12);
 }
 
 // Of keyframes that another map brings in nothing is known, whatever was seen of them there.
