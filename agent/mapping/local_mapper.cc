@@ -161,6 +161,13 @@ bool LocalMapper::NeedsWideAdjustment(KeyframeId newest, std::span<const Landmar
   return StrainOf(atlas_, landmarks, options.strain_samples, options_.noise).share() > options.max_strain;
 }
 
+void LocalMapper::AdjustBeforeClosing(MapId map, StageRecorder& stages) {
+  if (!options_.wide_adjustment.enabled) return;
+  const std::vector<KeyframeId> keyframes = ParentsFirst(atlas_, atlas_.Resolve(map));
+  const auto newest = std::max_element(keyframes.begin(), keyframes.end());
+  if (newest != keyframes.end()) AdjustWidely(*newest, stages, {});
+}
+
 void LocalMapper::AdjustWidely(KeyframeId newest, StageRecorder& stages, std::stop_token stop) {
   const StageScope stage(stages, "mapping.wide_adjustment");
   const WideAdjustmentOptions& options = options_.wide_adjustment;

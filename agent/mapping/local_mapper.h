@@ -39,6 +39,9 @@ class LocalMapper {
   // Poses of ordinary frames. Those of a culled reference hang below its living ancestor; those of an unknown reference
   // or out of order are left out.
   void AddFrames(std::span<const TrackedFrame> frames);
+  // All of the map that a wide adjustment reaches, once more, where such adjustments are enabled: a way that never came
+  // back has had none, and the latest was made for a smaller map. Before CloseMap. Nothing happens to an unknown map.
+  void AdjustBeforeClosing(MapId map, StageRecorder& stages);
   // No further keyframes. Landmarks on trial stay as they are. Nothing happens to an unknown map.
   void CloseMap(MapId map);
 

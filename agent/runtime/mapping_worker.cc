@@ -58,7 +58,9 @@ void MappingWorker::Process(MappingInput input) {
 void MappingWorker::Finish() {
   AddWaitingFrames();
   for (const MapId map : mapper_.atlas().Maps()) {
-    if (map.session == session_) mapper_.CloseMap(map);
+    if (map.session != session_) continue;
+    mapper_.AdjustBeforeClosing(map, stages_);
+    mapper_.CloseMap(map);
   }
   Publish();
 }
