@@ -48,10 +48,18 @@ TrackingResult FrameLoop::Track(const SourceFrame& frame, const std::shared_ptr<
   cv::Mat left;
   {
     StageScope scope(stages_, "rectification");
-    left = rectifier_.RectifyLeft(frame.left);
+    left = rectifier_.RectifyLeft(Seen(frame.left));
   }
   return tracker_.Track(
       frame.stamp_ns, left, [&] { return ReadRight(frame); }, atlas, stages_);
+}
+
+// A picture that froze shows where the camera was, not where it is: it is as good as a dark one.
+cv::Mat FrameLoop::Seen(const cv::Mat& image) {
+  const bool was_frozen = std::exchange(is_frozen_, frozen_.Repeats(image));
+  if (!is_frozen_) return image;
+  if (!was_frozen) spdlog::warn("the camera repeats one picture; it counts as dark until the picture changes");
+  return cv::Mat::zeros(image.size(), image.type());
 }
 
 // An empty image where there is none to be had: the keyframe is then without depth.

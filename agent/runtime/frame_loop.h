@@ -7,6 +7,7 @@
 #include "agent/runtime/agent_options.h"
 #include "agent/runtime/flight_record.h"
 #include "agent/runtime/frame_source.h"
+#include "agent/runtime/frozen_picture.h"
 #include "agent/runtime/mapping_worker.h"
 #include "agent/runtime/stage_clock.h"
 #include "agent/runtime/state_teller.h"
@@ -40,6 +41,7 @@ class FrameLoop {
   void MapBetweenFrames(MappingInput input);
   TrackingResult TakeFrame(const SourceFrame& frame);
   TrackingResult Track(const SourceFrame& frame, const std::shared_ptr<const Atlas>& atlas);
+  cv::Mat Seen(const cv::Mat& image);
   cv::Mat ReadRight(const SourceFrame& frame);
   void TakeAnswer();
   void AskWhere(const TrackingResult& result);
@@ -52,6 +54,8 @@ class FrameLoop {
   FlightRecorder& recorder_;
   StateTeller& teller_;
   PlaceInquiry inquiry_;
+  FrozenPicture frozen_;
+  bool is_frozen_ = false;
   StageClock stages_;
   int mapped_frames_ = 0;  // between frames, on this thread
   std::size_t unreadable_ = 0;

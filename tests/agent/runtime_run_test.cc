@@ -1,10 +1,14 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <pangaea_lcm/pose_t.hpp>
 #include <pangaea_lcm/statistics_t.hpp>
+#include <string>
+#include <vector>
 
 #include "agent/runtime/agent_output.h"
 #include "agent/runtime/agent_run.h"
@@ -101,6 +105,32 @@ TEST_F(AgentRunTest, WithOneCameraTheFlightIsTrackedInOneMapFromTheFirstFrameOn)
   const std::string first = RunInto("mono_1.tum", options);
   EXPECT_EQ(std::count(first.begin(), first.end(), '\n'), kFrames);
   EXPECT_EQ(RunInto("mono_2.tum", options), first);
+}
+
+TEST_F(AgentRunTest, APictureThatFreezesGivesNoPoses) {
+  constexpr std::size_t kFrozenFrom = 20;
+  constexpr std::size_t kFrozenTo = 26;
+  AgentOptions options = Options();
+  options.deterministic = true;
+  options.dataset = Path("frozen");
+  std::filesystem::copy(Path("session_1"), options.dataset, std::filesystem::copy_options::recursive);
+  std::vector<std::filesystem::path> images;
+  for (const auto& entry : std::filesystem::directory_iterator(options.dataset / "mav0/cam0/data")) {
+    images.push_back(entry.path());
+  }
+  std::sort(images.begin(), images.end());
+  for (std::size_t i = kFrozenFrom; i < kFrozenTo; ++i) {
+    std::filesystem::copy_file(images[kFrozenFrom - 1], images[i], std::filesystem::copy_options::overwrite_existing);
+  }
+  const auto run = RunAgent(options, {});
+  ASSERT_TRUE(run) << run.error().message;
+  EXPECT_LE(run->flight.tracked, kFrames - (kFrozenTo - kFrozenFrom));
+  EXPECT_GE(run->flight.tracked, kFrames - (kFrozenTo - kFrozenFrom) - 2) << "and found again soon";
+  EXPECT_EQ(run->atlas->Maps().size(), 1U);
+  for (const StampedPose& pose : run->flight.live_trajectory) {
+    const std::string stamp = std::to_string(pose.stamp_ns);
+    for (std::size_t i = kFrozenFrom; i < kFrozenTo; ++i) EXPECT_NE(images[i].stem(), stamp);
+  }
 }
 
 // Every message of the agent's, by channel.

@@ -36,7 +36,7 @@ TwoViewWorld MakeTwoViewWorld(std::uint64_t seed, const TwoViewWorldOptions& opt
   const IdealCamera camera = MonocularCamera();
   TwoViewWorld world;
   world.second_from_first = Rigid3d(ExpSo3(UniformVector(random, options.turn)), options.step).Inverse();
-  const Eigen::Vector3d slope(Uniform(random, -0.5, 0.5), Uniform(random, -0.5, 0.5), 0.0);
+  const Eigen::Vector3d slope{Uniform(random, -0.5, 0.5), Uniform(random, -0.5, 0.5), 0.0};
   while (world.matches.size() < options.matches) {
     Eigen::Vector3d point = VisiblePoint(random, camera, options.nearest, options.farthest);
     const bool on_plane = options.plane && Uniform(random, 0.0, 1.0) >= options.beside_plane;
@@ -45,7 +45,7 @@ TwoViewWorld MakeTwoViewWorld(std::uint64_t seed, const TwoViewWorldOptions& opt
     if (in_second.z() < 0.5 || !camera.Contains(camera.Project(in_second))) continue;
     PixelMatch match{camera.Project(point), camera.Project(in_second), 1.0 / std::max(options.noise, 0.1)};
     for (Eigen::Vector2d* pixel : {&match.first, &match.second}) {
-      *pixel += options.noise * Eigen::Vector2d(Gauss(random), Gauss(random));
+      *pixel += options.noise * Eigen::Vector2d{Gauss(random), Gauss(random)};
     }
     const bool outlier = Uniform(random, 0.0, 1.0) < options.outlier_ratio;
     if (outlier) match.second = {Uniform(random, 0.0, camera.width), Uniform(random, 0.0, camera.height)};
