@@ -49,12 +49,7 @@ bool LocalMapper::Insert(const KeyframeCandidate& candidate, StageRecorder& stag
   }
   trials_.CountChances(atlas_, *atlas_.FindKeyframe(candidate.id), options_.search.max_view_angle);
   if (stop.stop_requested()) return true;
-  std::vector<LandmarkId> adjusted;
-  {
-    const StageScope stage(stages, "mapping.bundle_adjustment");
-    adjusted = AdjustBundle(candidate.id, stop);
-  }
-  if (NeedsWideAdjustment(candidate.id, adjusted)) AdjustWidely(candidate.id, stages, stop);
+  AdjustAround(candidate.id, stages, stop);
   {
     const StageScope stage(stages, "mapping.cull_keyframes");
     CullKeyframes(candidate.id, candidate.reference);
@@ -154,6 +149,15 @@ std::vector<LandmarkId> LocalMapper::AdjustBundle(KeyframeId newest, std::stop_t
   return std::move(window.landmarks);
 }
 
+void LocalMapper::AdjustAround(KeyframeId newest, StageRecorder& stages, const std::stop_token& stop) {
+  std::vector<LandmarkId> adjusted;
+  {
+    const StageScope stage(stages, "mapping.bundle_adjustment");
+    adjusted = AdjustBundle(newest, stop);
+  }
+  if (!stop.stop_requested() && NeedsWideAdjustment(newest, adjusted)) AdjustWidely(newest, stages, stop);
+}
+
 bool LocalMapper::NeedsWideAdjustment(KeyframeId newest, std::span<const LandmarkId> landmarks) const {
   const WideAdjustmentOptions& options = options_.wide_adjustment;
   const double wanted_gap = std::max<double>(options.min_gap, options.min_growth * adjusted_widely_at_);
@@ -161,20 +165,20 @@ bool LocalMapper::NeedsWideAdjustment(KeyframeId newest, std::span<const Landmar
   return StrainOf(atlas_, landmarks, options.strain_samples, options_.noise).share() > options.max_strain;
 }
 
-void LocalMapper::AdjustBeforeClosing(MapId map, StageRecorder& stages) {
-  if (!options_.wide_adjustment.enabled) return;
+void LocalMapper::AdjustBeforeClosing(MapId map, StageRecorder& stages, const std::stop_token& stop) {
+  if (!options_.wide_adjustment.enabled || options_.wide_adjustment.max_strain >= 1.0) return;
   const std::vector<KeyframeId> keyframes = ParentsFirst(atlas_, atlas_.Resolve(map));
   const auto newest = std::max_element(keyframes.begin(), keyframes.end());
-  if (newest != keyframes.end()) AdjustWidely(*newest, stages, {});
+  if (newest != keyframes.end()) AdjustWidely(*newest, stages, stop);
 }
 
-void LocalMapper::AdjustWidely(KeyframeId newest, StageRecorder& stages, std::stop_token stop) {
+void LocalMapper::AdjustWidely(KeyframeId newest, StageRecorder& stages, const std::stop_token& stop) {
   const StageScope stage(stages, "mapping.wide_adjustment");
   const WideAdjustmentOptions& options = options_.wide_adjustment;
-  adjusted_widely_at_ = newest.counter;
   const AdjustmentWindow window = ChooseAdjustmentWindow(atlas_, newest, options.bundle_adjustment);
-  LocalAdjustment adjustment =
-      AdjustLocalMap(atlas_, window, options.bundle_adjustment, options_.noise, std::move(stop));
+  LocalAdjustment adjustment = AdjustLocalMap(atlas_, window, options.bundle_adjustment, options_.noise, stop);
+  if (stop.stop_requested()) return;  // half of an adjustment cannot be judged
+  adjusted_widely_at_ = newest.counter;
   if (adjustment.outlier_share <= options.max_outliers) CommitAdjustment(std::move(adjustment));
 }
 

@@ -40,8 +40,9 @@ class LocalMapper {
   // or out of order are left out.
   void AddFrames(std::span<const TrackedFrame> frames);
   // All of the map that a wide adjustment reaches, once more, where such adjustments are enabled: a way that never came
-  // back has had none, and the latest was made for a smaller map. Before CloseMap. Nothing happens to an unknown map.
-  void AdjustBeforeClosing(MapId map, StageRecorder& stages);
+  // back has had none, and the latest was made for a smaller map. Before CloseMap. Nothing happens to an unknown map,
+  // nor where `stop` is requested before the end.
+  void AdjustBeforeClosing(MapId map, StageRecorder& stages, const std::stop_token& stop = {});
   // No further keyframes. Landmarks on trial stay as they are. Nothing happens to an unknown map.
   void CloseMap(MapId map);
 
@@ -62,9 +63,10 @@ class LocalMapper {
   void FuseIntoNeighbours(KeyframeId newest, const std::stop_token& stop);
   // Returns the landmarks of the window.
   std::vector<LandmarkId> AdjustBundle(KeyframeId newest, std::stop_token stop);
+  void AdjustAround(KeyframeId newest, StageRecorder& stages, const std::stop_token& stop);
   // Whether the map is strained at these landmarks, and the latest wide adjustment far enough back.
   bool NeedsWideAdjustment(KeyframeId newest, std::span<const LandmarkId> landmarks) const;
-  void AdjustWidely(KeyframeId newest, StageRecorder& stages, std::stop_token stop);
+  void AdjustWidely(KeyframeId newest, StageRecorder& stages, const std::stop_token& stop);
   void CommitAdjustment(LocalAdjustment adjustment);
   void CullKeyframes(KeyframeId newest, KeyframeId reference);
   // The only place where the atlas changes.

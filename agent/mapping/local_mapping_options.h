@@ -57,8 +57,8 @@ struct LocalBundleAdjustmentOptions {
 struct WideAdjustmentOptions {
   bool enabled = true;  // where nobody else closes loops
   // It follows when more than this share of the observations of the local window's landmarks contradict the map. Before
-  // a camera first comes back it is less than a thousandth, however noisy the images: adjustments remove what
-  // contradicts them.
+  // a camera first came back it was less than a thousandth in two rendered flights: adjustments remove what contradicts
+  // them.
   double max_strain = 0.01;
   // Where more than this share of all observations contradict the result (in eleven flights it was 0.0014 at most), the
   // old place was a wrong one, and the map stays as it was.

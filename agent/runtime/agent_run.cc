@@ -153,9 +153,10 @@ Result<AgentRun> RunAgent(const AgentOptions& options, const std::stop_token& st
     loop.Run(source);
   }
   teller.TellEnd();
-  worker.Finish();
+  worker.Finish(hurry);
   CloseLink(options, hurry, *link, worker, run);
   run.source = source.counters();
+  run.source.skipped += loop.doubles();
   run.flight = recorder.record();
   run.atlas = worker.snapshot();
   StageClock stages;

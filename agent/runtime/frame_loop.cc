@@ -11,7 +11,8 @@ namespace pangaea {
 void FrameLoop::Run(FrameSource& source) {
   std::optional<MappingThread> thread;
   if (!options_.deterministic) thread.emplace(worker_);
-  while (const auto frame = source.Next()) {
+  while (auto frame = source.Next()) {
+    if (!Admit(*frame)) continue;
     TrackingResult result = TakeFrame(*frame);
     const bool keyframe = result.keyframe.has_value();
     const bool new_map = BeginsMap(result);
@@ -25,6 +26,17 @@ void FrameLoop::Run(FrameSource& source) {
     // does in real time.
     if (new_map || (keyframe && options_.rate.waits_for_agent())) thread->WaitUntilIdle();
   }
+}
+
+// False for a double. The picture of a stuck camera becomes a dark one.
+bool FrameLoop::Admit(SourceFrame& frame) {
+  const FrozenPicture::Verdict verdict = frozen_.Judge(frame.left);
+  if (verdict == FrozenPicture::Verdict::kDouble) ++doubles_;
+  if (verdict == FrozenPicture::Verdict::kStuck) {
+    if (stuck_++ == 0) spdlog::warn("the camera repeats one picture; it counts as dark until the picture changes");
+    frame.left = cv::Mat::zeros(frame.left.size(), frame.left.type());
+  }
+  return verdict != FrozenPicture::Verdict::kDouble;
 }
 
 void FrameLoop::MapBetweenFrames(MappingInput input) {
@@ -48,18 +60,10 @@ TrackingResult FrameLoop::Track(const SourceFrame& frame, const std::shared_ptr<
   cv::Mat left;
   {
     StageScope scope(stages_, "rectification");
-    left = rectifier_.RectifyLeft(Seen(frame.left));
+    left = rectifier_.RectifyLeft(frame.left);
   }
   return tracker_.Track(
       frame.stamp_ns, left, [&] { return ReadRight(frame); }, atlas, stages_);
-}
-
-// A picture that froze shows where the camera was, not where it is: it is as good as a dark one.
-cv::Mat FrameLoop::Seen(const cv::Mat& image) {
-  const bool was_frozen = std::exchange(is_frozen_, frozen_.Repeats(image));
-  if (!is_frozen_) return image;
-  if (!was_frozen) spdlog::warn("the camera repeats one picture; it counts as dark until the picture changes");
-  return cv::Mat::zeros(image.size(), image.type());
 }
 
 // An empty image where there is none to be had: the keyframe is then without depth.

@@ -36,12 +36,14 @@ class FrameLoop {
   void Run(FrameSource& source);
 
   const StageClock& stages() const { return stages_; }
+  // Frames that were left out because they repeat the one before.
+  std::size_t doubles() const { return doubles_; }
 
  private:
+  bool Admit(SourceFrame& frame);
   void MapBetweenFrames(MappingInput input);
   TrackingResult TakeFrame(const SourceFrame& frame);
   TrackingResult Track(const SourceFrame& frame, const std::shared_ptr<const Atlas>& atlas);
-  cv::Mat Seen(const cv::Mat& image);
   cv::Mat ReadRight(const SourceFrame& frame);
   void TakeAnswer();
   void AskWhere(const TrackingResult& result);
@@ -55,7 +57,8 @@ class FrameLoop {
   StateTeller& teller_;
   PlaceInquiry inquiry_;
   FrozenPicture frozen_;
-  bool is_frozen_ = false;
+  std::size_t doubles_ = 0;
+  std::size_t stuck_ = 0;  // frames
   StageClock stages_;
   int mapped_frames_ = 0;  // between frames, on this thread
   std::size_t unreadable_ = 0;

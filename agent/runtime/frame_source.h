@@ -36,7 +36,7 @@ struct SourceFrame {
 struct SourceCounters {
   std::size_t frames = 0;   // of the recording; of a stream without a known end, those that came
   std::size_t dropped = 0;  // the agent was too slow
-  std::size_t skipped = 0;  // what came could not be read, or was not newer than the frame before
+  std::size_t skipped = 0;  // what came could not be read, was not newer than the frame before, or repeats it
   std::size_t missing = 0;  // were sent and never arrived
 };
 

@@ -16,11 +16,15 @@ bool AreEqual(const cv::Mat& a, const cv::Mat& b) {
 
 }  // namespace
 
-bool FrozenPicture::Repeats(const cv::Mat& image) {
-  if (!previous_.empty() && AreEqual(image, previous_)) return changes_;
+FrozenPicture::Verdict FrozenPicture::Judge(const cv::Mat& image) {
+  if (!previous_.empty() && AreEqual(image, previous_)) {
+    if (!changes_) return Verdict::kNew;
+    return ++repeats_ <= kMostDoubles ? Verdict::kDouble : Verdict::kStuck;
+  }
   changes_ = !previous_.empty();
+  repeats_ = 0;
   previous_ = image;
-  return false;
+  return Verdict::kNew;
 }
 
 }  // namespace pangaea

@@ -55,11 +55,11 @@ void MappingWorker::Process(MappingInput input) {
   if (moved && uplink_ != nullptr) (void)uplink_->Submit(TakeBatch());
 }
 
-void MappingWorker::Finish() {
+void MappingWorker::Finish(const std::stop_token& hurry) {
   AddWaitingFrames();
   for (const MapId map : mapper_.atlas().Maps()) {
     if (map.session != session_) continue;
-    mapper_.AdjustBeforeClosing(map, stages_);
+    mapper_.AdjustBeforeClosing(map, stages_, hurry);
     mapper_.CloseMap(map);
   }
   Publish();

@@ -32,9 +32,9 @@ class MappingWorker {
   void Process(MappingInput input);
   // Whether Process takes in corrections. For runs that are to be the same every time: they choose the frames.
   void AllowCorrections(bool allow) { absorbs_ = allow; }
-  // Closes the session's maps, which until then the camera may come back to, and hands on what is still waiting.
-  // Afterwards the atlas changes no more.
-  void Finish();
+  // Closes the session's maps, which until then the camera may come back to, each adjusted once more unless `hurry` is
+  // requested, and hands on what is still waiting. Afterwards the atlas changes no more.
+  void Finish(const std::stop_token& hurry);
   // Sends everything exactly, and adopts what the uplink asks for. Then waits, at most so long in turn, for what the
   // server still corrects. After Finish.
   Status Flush(std::chrono::milliseconds patience, std::chrono::milliseconds correction_patience);

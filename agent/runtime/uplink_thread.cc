@@ -138,7 +138,7 @@ class UplinkLoop final : public UplinkThread {
       stream_.retained().OnTime(Clock::now());
       Continue();
       downlink_.Offer(stream_);
-      NoteFailure(sender_.Send(stream_.retained()));
+      if (!stopping_) NoteFailure(sender_.Send(stream_.retained()));
       FinishFlush();
       PublishCounters();
     }

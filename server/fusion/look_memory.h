@@ -21,7 +21,7 @@ struct LookedAtMap {
   struct LandmarkState {
     LandmarkId id;
     Eigen::Vector3d point_in_map;
-    std::uint32_t observers = 0;  // count
+    std::uint32_t observers = 0;  // count, when it was last looked for
     float crept = 0.0F;           // apart from what is around it, at most in any image
   };
   std::vector<KeyframeState> keyframes;  // ascending

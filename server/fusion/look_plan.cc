@@ -94,7 +94,9 @@ class LookPlanner {
     if (change > kOtherObservers * before->observers || taken_along_.contains(landmark.id)) return true;
     const float crept = before->crept + place.apart;
     if (crept > limit) return true;
+    // Both as when it was last looked for: small changes add up.
     landmark.crept = crept;
+    landmark.observers = before->observers;
     return false;
   }
 

@@ -22,8 +22,7 @@ struct LookPlan {
 // - keyframes that are new, or in whose image most of what is in view has moved by more than half of `tolerance`
 //   (pixels);
 // - landmarks that are new, that clearly more or fewer keyframes see, that have moved by as much apart from what is
-// around
-//   them, or that a keyframe sees which has moved.
+//   around them, or that a keyframe sees which has moved.
 // Motions add up from look to look: what is not looked for in a keyframe has moved in its image by no more than
 // `tolerance` since it was. What moves together has not moved.
 // Left alone is what could take the place of a landmark that a keypoint has lost: an observation more, no duplicate.

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <stop_token>
 
 #include "common/map/consistency.h"
 #include "common/map/digest.h"
@@ -90,14 +91,21 @@ TEST(WideAdjustment, BeforeAMapIsClosedAllOfItIsAdjustedOnceMore) {
   EXPECT_LT(std::sqrt(squares), 0.93 * std::sqrt(squares_before));
 }
 
-TEST(WideAdjustment, AMapThatIsAServersIsNotAdjustedBeforeItIsClosed) {
-  LocalMappingOptions options = SmallWindows();
-  options.wide_adjustment.enabled = false;
-  Walk walk({}, options);
-  walk.WalkCircle(0, 5, 60);
-  const auto before = Digest(walk.mapper.atlas());
-  walk.mapper.AdjustBeforeClosing(walk.mapper.atlas().Maps().front(), walk.stages);
-  EXPECT_EQ(Digest(walk.mapper.atlas()), before);
+TEST(WideAdjustment, BeforeAMapIsClosedNothingChangesWhereItIsAServersOrNeverWantedOrInAHurry) {
+  LocalMappingOptions of_a_server = SmallWindows();
+  of_a_server.wide_adjustment.enabled = false;
+  LocalMappingOptions never = SmallWindows();
+  never.wide_adjustment.max_strain = 1.0;
+  std::stop_source hurry;
+  for (const LocalMappingOptions& options : {of_a_server, never, SmallWindows()}) {
+    Walk walk({}, options);
+    walk.WalkCircle(0, 5, 60);
+    const auto before = Digest(walk.mapper.atlas());
+    const bool would_adjust = options.wide_adjustment.enabled && options.wide_adjustment.max_strain < 1.0;
+    if (would_adjust) hurry.request_stop();
+    walk.mapper.AdjustBeforeClosing(walk.mapper.atlas().Maps().front(), walk.stages, hurry.get_token());
+    EXPECT_EQ(Digest(walk.mapper.atlas()), before);
+  }
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 
 #include "agent/runtime/agent_output.h"
 #include "agent/runtime/agent_run.h"
+#include "agent/runtime/frozen_picture.h"
 #include "common/base/text.h"
 #include "common/lcm/message_codec.h"
 #include "common/lcm/pose_codec.h"
@@ -44,6 +45,17 @@ class AgentRunTest : public ::testing::Test {
     options.rate = {0.0};
     options.use_server = false;
     return options;
+  }
+  // Returns the copy's left images in order.
+  static std::vector<std::filesystem::path> CopyRecording(const std::filesystem::path& to) {
+    std::filesystem::copy(Path("session_1"), to, std::filesystem::copy_options::recursive);
+    std::vector<std::filesystem::path> images;
+    for (const auto& entry : std::filesystem::directory_iterator(to / "mav0/cam0/data")) images.push_back(entry.path());
+    std::sort(images.begin(), images.end());
+    return images;
+  }
+  static void Repeat(const std::filesystem::path& image, const std::filesystem::path& instead_of) {
+    std::filesystem::copy_file(image, instead_of, std::filesystem::copy_options::overwrite_existing);
   }
   static std::string RunInto(const std::string& name, AgentOptions options) {
     options.trajectory = Path(name);
@@ -109,28 +121,36 @@ TEST_F(AgentRunTest, WithOneCameraTheFlightIsTrackedInOneMapFromTheFirstFrameOn)
 
 TEST_F(AgentRunTest, APictureThatFreezesGivesNoPoses) {
   constexpr std::size_t kFrozenFrom = 20;
-  constexpr std::size_t kFrozenTo = 26;
+  constexpr std::size_t kFrozenTo = 29;
   AgentOptions options = Options();
   options.deterministic = true;
   options.dataset = Path("frozen");
-  std::filesystem::copy(Path("session_1"), options.dataset, std::filesystem::copy_options::recursive);
-  std::vector<std::filesystem::path> images;
-  for (const auto& entry : std::filesystem::directory_iterator(options.dataset / "mav0/cam0/data")) {
-    images.push_back(entry.path());
-  }
-  std::sort(images.begin(), images.end());
-  for (std::size_t i = kFrozenFrom; i < kFrozenTo; ++i) {
-    std::filesystem::copy_file(images[kFrozenFrom - 1], images[i], std::filesystem::copy_options::overwrite_existing);
-  }
+  const std::vector<std::filesystem::path> images = CopyRecording(options.dataset);
+  for (std::size_t i = kFrozenFrom; i < kFrozenTo; ++i) Repeat(images[kFrozenFrom - 1], images[i]);
   const auto run = RunAgent(options, {});
   ASSERT_TRUE(run) << run.error().message;
   EXPECT_LE(run->flight.tracked, kFrames - (kFrozenTo - kFrozenFrom));
   EXPECT_GE(run->flight.tracked, kFrames - (kFrozenTo - kFrozenFrom) - 2) << "and found again soon";
+  EXPECT_EQ(run->source.skipped, std::size_t{FrozenPicture::kMostDoubles});
   EXPECT_EQ(run->atlas->Maps().size(), 1U);
   for (const StampedPose& pose : run->flight.live_trajectory) {
     const std::string stamp = std::to_string(pose.stamp_ns);
     for (std::size_t i = kFrozenFrom; i < kFrozenTo; ++i) EXPECT_NE(images[i].stem(), stamp);
   }
+}
+
+TEST_F(AgentRunTest, AMonocularMapBeginsInAVideoWhereEveryFourthFrameIsADouble) {
+  AgentOptions options = Options();
+  options.sensor = SensorKind::kMonocular;
+  options.deterministic = true;
+  options.dataset = Path("doubled");
+  const std::vector<std::filesystem::path> images = CopyRecording(options.dataset);
+  for (std::size_t i = 3; i < images.size(); i += 4) Repeat(images[i - 1], images[i]);
+  const auto run = RunAgent(options, {});
+  ASSERT_TRUE(run) << run.error().message;
+  EXPECT_EQ(run->source.skipped, images.size() / 4);
+  EXPECT_EQ(run->flight.tracked, images.size() - images.size() / 4);
+  EXPECT_EQ(run->atlas->Maps().size(), 1U);
 }
 
 // Every message of the agent's, by channel.

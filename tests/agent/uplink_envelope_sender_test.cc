@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "agent/uplink/envelope_sender.h"
+#include "tests/agent/spill_map.h"
 
 namespace pangaea {
 namespace {
@@ -63,6 +64,23 @@ TEST_F(EnvelopeSenderTest, AnAnswerOfThePeersEndsThePause) {
   sender_.EndPause();
   EXPECT_TRUE(sender_.Send(retained_));
   EXPECT_EQ(written_.size(), 3U);
+}
+
+TEST_F(EnvelopeSenderTest, AnEnvelopeThatTheSpillSinkLostIsAnErrorAndIsTriedAgainAfterThePause) {
+  testing::SpillMap spill;
+  RetainedEdits retained({.memory_bytes = 1}, &spill);
+  retained.OnServerPresent(true);
+  Envelope envelope;
+  envelope.sequence = 1;
+  envelope.edits.resize(100);
+  ASSERT_TRUE(retained.Retain(envelope));
+  spill.envelopes.clear();
+  EXPECT_FALSE(sender_.Send(retained));
+  EXPECT_EQ(sender_.deadline(), now_ + EnvelopeSender::kPause);
+  spill.envelopes[1] = envelope;
+  now_ += EnvelopeSender::kPause;
+  EXPECT_TRUE(sender_.Send(retained));
+  EXPECT_EQ(written_, (std::vector<std::uint64_t>{1}));
 }
 
 }  // namespace

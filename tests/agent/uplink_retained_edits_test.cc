@@ -203,5 +203,20 @@ TEST_P(RetainedEditsOnABadLink, TheServerGetsEachSequenceOnceAndInOrder) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RetainedEditsOnABadLink, ::testing::Range<std::uint64_t>(1, 51));
 
+TEST(RetainedEdits, WhatASpillSinkThatFillsUpDidNotTakeStaysInMemory) {
+  SpillMap spill;
+  RetainedEdits retained({}, &spill);
+  for (std::uint64_t i = 1; i <= 3; ++i) ASSERT_TRUE(retained.Retain(EnvelopeOf(i)));
+  spill.full = true;
+  EXPECT_FALSE(retained.SpillAll());
+  EXPECT_EQ(retained.memory_bytes(), 300U);
+  spill.full = false;
+  EXPECT_TRUE(retained.SpillAll());
+  EXPECT_EQ(retained.memory_bytes(), 0U);
+  EXPECT_EQ(spill.envelopes.size(), 3U);
+  retained.OnServerPresent(true);
+  EXPECT_EQ(SendAll(retained, Time()), 3U) << "from the sink";
+}
+
 }  // namespace
 }  // namespace pangaea

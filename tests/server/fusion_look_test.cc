@@ -170,6 +170,32 @@ TEST_P(Look, SmallMotionsAddUp) {
   EXPECT_GT(looks, 0U);
 }
 
+TEST_P(Look, ObserversThatGoOneByOneAddUp) {
+  LandmarkId seen_most;
+  std::size_t most = 0;
+  atlas_.ForEachLandmark([&](const Landmark& landmark) {
+    if (landmark.observations.size() <= most) return;
+    most = landmark.observations.size();
+    seen_most = landmark.id;
+  });
+  ASSERT_GE(most, 8U);
+  std::size_t looks = 0;
+  int silent = 0;
+  for (std::size_t i = 0; i < most / 2 && looks == 0; ++i) {
+    const Landmark& landmark = *atlas_.FindLandmark(seen_most);
+    const auto& observations = landmark.observations;
+    const auto other = std::ranges::find_if(
+        observations, [&](const Observation& observation) { return observation.keyframe != landmark.reference; });
+    ASSERT_TRUE(Apply(RemoveObservation{seen_most, other->keyframe}, atlas_).has_value());
+    const MapFusion fusion = FuseDuplicates(atlas_, kMap, {}, seen_, {});
+    seen_ = *fusion.looked_at;
+    looks = fusion.looks;
+    silent += looks == 0 ? 1 : 0;
+  }
+  EXPECT_GE(silent, 2) << "each by itself is too little";
+  EXPECT_GT(looks, 0U);
+}
+
 TEST_P(Look, OneThatWasStoppedIsNotRemembered) {
   WeldAThird();
   std::stop_source stop;
