@@ -69,7 +69,7 @@ class LocalMapper {
   void AdjustWidely(KeyframeId newest, StageRecorder& stages, const std::stop_token& stop);
   void CommitAdjustment(LocalAdjustment adjustment);
   void CullKeyframes(KeyframeId newest, KeyframeId reference);
-  // The only place where the atlas changes.
+  // By which local mapping changes the atlas; Absorb takes over what its edits lead to.
   void Commit(MapEdit edit);
   void Commit(std::vector<MapEdit> edits);
   void CommitCreated(std::vector<MapEdit> edits);

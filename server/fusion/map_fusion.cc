@@ -19,11 +19,8 @@ class MapLook {
   MapLook(const Atlas& snapshot, MapId map, const MapFusionOptions& options)
       : map_(map), draft_(snapshot), fusion_({}, options.search, draft_) {}
 
-  // Does nothing where the keyframe is not of the map.
   void SearchIn(KeyframeId id, const LandmarkIndex& landmarks) {
-    const Keyframe* keyframe = draft_.welded().FindKeyframe(id);
-    if (keyframe == nullptr || keyframe->map != map_) return;
-    const std::vector<LandmarkId> wanted = landmarks.InView(Viewpoint(*keyframe));
+    const std::vector<LandmarkId> wanted = landmarks.InView(Viewpoint(*draft_.welded().FindKeyframe(id)));
     if (wanted.empty()) return;
     looks_ += wanted.size();
     fusion_.SearchIn(id, wanted);
@@ -76,17 +73,6 @@ Status MapFusionOptions::Check() const {
       .In("tolerance", tolerance, 0, 10)
       .In("cube_edge", cube_edge, 0.001, 1000);
   return check.status();
-}
-
-MapFusion FuseDuplicates(const Atlas& snapshot, MapId map, const std::vector<KeyframeId>& keyframes,
-                         const MapFusionOptions& options, const std::stop_token& stop) {
-  MapLook look(snapshot, map, options);
-  const LandmarkIndex index(snapshot, map, options.cube_edge * MedianDepth(snapshot, map));
-  for (const KeyframeId id : keyframes) {
-    if (stop.stop_requested()) break;
-    look.SearchIn(id, index);
-  }
-  return std::move(look).Finish();
 }
 
 MapFusion FuseDuplicates(const Atlas& snapshot, MapId map, const MapFusionOptions& options, const LookedAtMap& before,

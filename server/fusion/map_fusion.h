@@ -32,8 +32,7 @@ struct MapFusion {
   std::vector<MapEdit> edits;
   Correction correction;  // against the snapshot
   Atlas after;            // the snapshot with both
-  // `before` of the next look, once this one was taken. Nothing where a stop ended it or it was not along the whole
-  // map.
+  // `before` of the next look, once this one was taken. Nothing where a stop ended it.
   std::optional<LookedAtMap> looked_at;
   std::size_t fused = 0;
   std::size_t added = 0;
@@ -41,16 +40,11 @@ struct MapFusion {
 };
 
 // Looks all along a map for landmarks that exist twice, because the map was merged or a loop closed elsewhere (a
-// welding window covers only the seam), or because a session did not recognise what it had left for a while: in each of
-// the given keyframes, whatever lies in its view is looked for. Expects poses that are right to the search window:
-// after the pose graph, better after a bundle adjustment (and makes the next one tighter). Ids that are not in the map
-// are left out. A stop ends it early: what was found so far is good.
-MapFusion FuseDuplicates(const Atlas& snapshot, MapId map, const std::vector<KeyframeId>& keyframes,
-                         const MapFusionOptions& options, const std::stop_token& stop);
-
-// The same in all keyframes of the map, but only where something has changed since the looks that `before` tells of
-// (PlanLook; empty: everything): its cost follows what changed. Looks with different options know nothing of each
-// other.
+// welding window covers only the seam), or because a session did not recognise what it had left for a while: in each
+// keyframe whatever lies in its view is looked for, but only where something has changed since the looks that `before`
+// tells of (PlanLook; empty: everything), so that its cost follows what changed. Looks with different options know
+// nothing of each other. Expects poses that are right to the search window: after the pose graph, better after a bundle
+// adjustment (and makes the next one tighter). A stop ends it early: what was found so far is good.
 MapFusion FuseDuplicates(const Atlas& snapshot, MapId map, const MapFusionOptions& options, const LookedAtMap& before,
                          const std::stop_token& stop);
 

@@ -90,6 +90,7 @@ TEST_F(AgentRunTest, TheReportMeasuresDecodingTrackingAndLocalMapping) {
   EXPECT_EQ(report.at("stages").at("tracking").at("count"), kFrames);
   EXPECT_GE(report.at("stages").at("decode").at("count"), kFrames);
   EXPECT_GE(report.at("stages").at("local_mapping").at("count"), report.at("keyframes"));
+  EXPECT_EQ(report.at("stages").at("mapping.wide_adjustment").at("count"), 1) << "before the map was closed";
   EXPECT_GT(report.at("cpu_seconds"), 0.0);
   EXPECT_GT(report.at("peak_rss_mib"), 0.0);
 }

@@ -43,7 +43,7 @@ TEST_P(MapFusionTest, DuplicatesFarFromTheSeamBecomeOne) {
   const std::size_t before = CountDuplicates(world_, merged_);
   ASSERT_GT(before, 300U);
   Atlas atlas = merged_;
-  const MapFusion fusion = FuseDuplicates(atlas, {kOlder, 1}, world_.KeyframesOf(kNewer), {}, {});
+  const MapFusion fusion = FuseDuplicates(atlas, {kOlder, 1}, {}, LookedAtMap(), {});
   Carry(fusion, atlas);
   EXPECT_THAT(CheckConsistency(atlas), IsEmpty());
   EXPECT_LT(CountDuplicates(world_, atlas), before / 20);
@@ -53,16 +53,16 @@ TEST_P(MapFusionTest, DuplicatesFarFromTheSeamBecomeOne) {
 
 TEST_P(MapFusionTest, WhereNothingIsTwiceNothingHappens) {
   Atlas atlas = merged_;
-  Carry(FuseDuplicates(atlas, {kOlder, 1}, AllKeyframes(world_), {}, {}), atlas);
-  Carry(FuseDuplicates(atlas, {kOlder, 1}, AllKeyframes(world_), {}, {}), atlas);
-  const MapFusion again = FuseDuplicates(atlas, {kOlder, 1}, AllKeyframes(world_), {}, {});
+  Carry(FuseDuplicates(atlas, {kOlder, 1}, {}, LookedAtMap(), {}), atlas);
+  Carry(FuseDuplicates(atlas, {kOlder, 1}, {}, LookedAtMap(), {}), atlas);
+  const MapFusion again = FuseDuplicates(atlas, {kOlder, 1}, {}, LookedAtMap(), {});
   EXPECT_LE(again.fused, 2U);
 }
 
 TEST_P(MapFusionTest, AStopEndsItWithNothingDone) {
   std::stop_source stop;
   stop.request_stop();
-  EXPECT_THAT(FuseDuplicates(merged_, {kOlder, 1}, AllKeyframes(world_), {}, stop.get_token()).edits, IsEmpty());
+  EXPECT_THAT(FuseDuplicates(merged_, {kOlder, 1}, {}, LookedAtMap(), stop.get_token()).edits, IsEmpty());
 }
 
 // The index leaves out nothing that a look at every landmark finds.
