@@ -20,15 +20,16 @@ find_library(DEFLATE_LIBRARY deflate REQUIRED)
 # OpenCV's headers warn under C++20, so they are system headers here.
 add_library(pangaea_opencv INTERFACE)
 target_include_directories(pangaea_opencv SYSTEM INTERFACE ${OpenCV_INCLUDE_DIRS})
-# Reading videos loads a hundred libraries more: for those alone who do.
-list(REMOVE_ITEM OpenCV_LIBS opencv_videoio)
-target_link_libraries(pangaea_opencv INTERFACE ${OpenCV_LIBS})
-add_library(pangaea_opencv_video INTERFACE)
-target_link_libraries(pangaea_opencv_video INTERFACE pangaea_opencv opencv_videoio)
+target_link_libraries(pangaea_opencv INTERFACE opencv_core opencv_imgproc)
+# Image files and videos load one and two hundred libraries more: for modules (Targets.cmake) and tests alone.
+add_library(pangaea_opencv_images INTERFACE)
+target_link_libraries(pangaea_opencv_images INTERFACE pangaea_opencv opencv_imgcodecs)
 if(PANGAEA_SANITIZE MATCHES thread)
   add_library(pangaea_without_gdal OBJECT ${CMAKE_CURRENT_LIST_DIR}/without_gdal.c)
-  target_sources(pangaea_opencv INTERFACE $<TARGET_OBJECTS:pangaea_without_gdal>)
+  target_sources(pangaea_opencv_images INTERFACE $<TARGET_OBJECTS:pangaea_without_gdal>)
 endif()
+add_library(pangaea_opencv_videos INTERFACE)
+target_link_libraries(pangaea_opencv_videos INTERFACE pangaea_opencv_images opencv_videoio)
 
 add_library(pangaea_cholmod INTERFACE)
 target_include_directories(pangaea_cholmod SYSTEM INTERFACE ${CHOLMOD_INCLUDE_DIR})

@@ -18,6 +18,18 @@ function(pangaea_program name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 endfunction()
 
+# pangaea_module(name SOURCES ... DEPS ...): a shared library that programs open when they need it
+# (common/base/module.h), placed in <build>/lib. Only its table is seen from outside; a library that it was not made
+# for is noticed when it is opened (-z now).
+function(pangaea_module name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
+  add_library(${name} MODULE ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE pangaea_settings tl::expected ${ARG_DEPS})
+  target_link_options(${name} PRIVATE -Wl,-z,now)
+  set_target_properties(${name} PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib
+    CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+endfunction()
+
 # Seconds. Sanitizers slow the longest tests down by ten and more.
 set(PANGAEA_TEST_TIMEOUT 600)
 if(PANGAEA_SANITIZE)

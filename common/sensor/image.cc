@@ -6,12 +6,12 @@
 #include <cstring>
 #include <fstream>
 #include <memory>
-#include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "common/sensor/image_decoder.h"
 #include "common/sensor/png.h"
 
 namespace pangaea {
@@ -100,27 +100,24 @@ Status CheckSize(ImageSize size, ImageSize expected) {
   return Fail(ErrorCode::kCorrupt, "the image is " + text(size) + " pixels, the calibration says " + text(expected));
 }
 
-Result<cv::Mat> DecodeWithOpenCv(std::span<const std::byte> file, ImageSize expected) {
-  try {
-    // OpenCV lists its codecs when the first is asked for: one thread does that, and the others wait for it here.
-    [[maybe_unused]] static const bool kCodecsListed = cv::haveImageWriter(".png");
-    const cv::Mat raw(1, static_cast<int>(file.size()), CV_8UC1, const_cast<std::byte*>(file.data()));
-    cv::Mat image = cv::imdecode(raw, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-    if (image.empty()) return Fail(ErrorCode::kCorrupt, "corrupt: the pixels cannot be decoded");
-    if (auto status = CheckSize({image.cols, image.rows}, expected); !status) {
-      return tl::make_unexpected(status.error());
-    }
-    return image;
-  } catch (const std::exception& exception) {
-    return Fail(ErrorCode::kCorrupt, std::string("corrupt: ") + exception.what());
+// `kind` is what the file holds, in words.
+Result<cv::Mat> DecodeWithOpenCv(std::span<const std::byte> file, ImageSize expected, const std::string& kind) {
+  const auto decoder = OpenImageDecoder(kind);
+  if (!decoder) return tl::make_unexpected(decoder.error());
+  auto image = (*decoder)->decode_gray(file);
+  if (!image) return image;
+  if (auto status = CheckSize({image->cols, image->rows}, expected); !status) {
+    return tl::make_unexpected(status.error());
   }
+  return image;
 }
 
 Result<cv::Mat> DecodePng(std::span<const std::byte> file, ImageSize expected) {
   const auto parts = ParsePng(file);
   if (!parts) return tl::make_unexpected(parts.error());
   if (auto status = CheckSize(parts->size, expected); !status) return tl::make_unexpected(status.error());
-  return parts->is_plain_gray ? DecodeGrayPng(*parts) : DecodeWithOpenCv(file, expected);
+  if (parts->is_plain_gray) return DecodeGrayPng(*parts);
+  return DecodeWithOpenCv(file, expected, "a PNG that is not of 8-bit grey pixels");
 }
 
 Result<cv::Mat> DecodeJpeg(std::span<const std::byte> file, ImageSize expected) {
@@ -128,7 +125,7 @@ Result<cv::Mat> DecodeJpeg(std::span<const std::byte> file, ImageSize expected) 
   if (!size) return tl::make_unexpected(size.error());
   if (auto status = CheckSize(*size, expected); !status) return tl::make_unexpected(status.error());
   if (!JpegIsComplete(file)) return Fail(ErrorCode::kCorrupt, "truncated: the file ends before the JPEG does");
-  return DecodeWithOpenCv(file, expected);
+  return DecodeWithOpenCv(file, expected, "a JPEG");
 }
 
 Result<cv::Mat> DecodePgm(std::span<const std::byte> file, ImageSize expected) {

@@ -3,13 +3,13 @@
 #include <chrono>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 #include <optional>
 #include <utility>
 
 #include "common/base/text.h"
 #include "common/sensor/camera_chain.h"
 #include "common/sensor/image.h"
+#include "common/sensor/video_capture.h"
 
 namespace pangaea {
 namespace {
@@ -40,21 +40,19 @@ Result<cv::Mat> GrayPart(const cv::Mat& frame, const cv::Rect& part) {
 
 class VideoStream final : public FrameStream {
  public:
-  VideoStream(cv::VideoCapture capture, bool is_camera, const CameraRig& rig)
+  VideoStream(std::unique_ptr<VideoCapture> capture, bool is_camera, const CameraRig& rig)
       : capture_(std::move(capture)), is_camera_(is_camera), left_(0, 0, rig.left.width, rig.left.height) {
     if (rig.right) right_ = cv::Rect(rig.left.width, 0, rig.right->width, rig.right->height);
-    const double rate = capture_.get(cv::CAP_PROP_FPS);
+    const double rate = capture_->frames_per_second();
     interval_ms_ = kMillisecondsPerSecond / (rate > 0.0 && std::isfinite(rate) ? rate : kUnknownRate);
   }
 
   std::optional<Result<StreamFrame>> Next(const std::stop_token& stop) override {
     if (stop.stop_requested()) return std::nullopt;
-    cv::Mat frame;
-    try {
-      if (!capture_.read(frame) || frame.empty()) return std::nullopt;
-    } catch (const std::exception& exception) {
-      return Result<StreamFrame>(Fail(ErrorCode::kCorrupt, exception.what()));
-    }
+    const auto next = capture_->Next();
+    if (!next) return std::nullopt;
+    if (!*next) return Result<StreamFrame>(tl::make_unexpected(next->error()));
+    const cv::Mat& frame = **next;
     StreamFrame images{Stamp(), [frame, part = left_] { return GrayPart(frame, part); }, {}};
     if (right_) images.right = [frame, part = *right_] { return GrayPart(frame, part); };
     return images;
@@ -67,13 +65,13 @@ class VideoStream final : public FrameStream {
       const auto now = std::chrono::system_clock::now().time_since_epoch();
       return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
     }
-    const double own_ms = capture_.get(cv::CAP_PROP_POS_MSEC);
+    const double own_ms = capture_->position_ms();
     const bool ascends = std::isfinite(own_ms) && own_ms >= 0.0 && (!latest_ms_ || own_ms > *latest_ms_);
     latest_ms_ = ascends ? own_ms : latest_ms_.value_or(-interval_ms_) + interval_ms_;
     return std::llround(*latest_ms_ * kNanosecondsPerMillisecond);
   }
 
-  cv::VideoCapture capture_;
+  const std::unique_ptr<VideoCapture> capture_;
   const bool is_camera_;
   cv::Rect left_;
   std::optional<cv::Rect> right_;
@@ -92,22 +90,17 @@ std::optional<int> CameraNumber(const std::string& text) {
   return static_cast<int>(*number);
 }
 
-Result<cv::VideoCapture> OpenCapture(const std::string& source, std::optional<int> camera, cv::Size wanted) {
+Result<std::unique_ptr<VideoCapture>> OpenCapture(const std::string& source, std::optional<int> camera,
+                                                  cv::Size wanted) {
   std::error_code error;
   if (!camera && !fs::is_regular_file(source, error)) {
     return Fail(ErrorCode::kNotFound, source + ": there is no such video; allowed: a file, or a camera's number");
   }
-  cv::VideoCapture capture;
-  try {
-    const bool opened = camera ? capture.open(*camera) : capture.open(source);
-    if (opened && camera) {
-      capture.set(cv::CAP_PROP_FRAME_WIDTH, wanted.width);
-      capture.set(cv::CAP_PROP_FRAME_HEIGHT, wanted.height);
-    }
-  } catch (const std::exception& exception) {
-    return Fail(ErrorCode::kCorrupt, source + ": " + exception.what());
-  }
-  if (capture.isOpened()) return capture;
+  const auto captures = OpenVideoCaptures();
+  if (!captures) return Fail(captures.error().code, source + ": " + captures.error().message);
+  auto capture = camera ? (*captures)->open_camera(*camera, wanted) : (*captures)->open_file(source);
+  if (!capture) return Fail(capture.error().code, source + ": " + capture.error().message);
+  if (*capture) return capture;
   return Fail(camera ? ErrorCode::kUnavailable : ErrorCode::kCorrupt,
               camera ? "camera " + source + " cannot be opened" : source + ": not a video that can be read");
 }
@@ -125,13 +118,12 @@ Result<CameraInput> OpenVideoInput(const std::string& source, const fs::path& ca
   const cv::Size wanted = FrameSize(*rig);
   auto capture = OpenCapture(source, camera, wanted);
   if (!capture) return tl::make_unexpected(capture.error());
-  const int width = static_cast<int>(capture->get(cv::CAP_PROP_FRAME_WIDTH));
-  const int height = static_cast<int>(capture->get(cv::CAP_PROP_FRAME_HEIGHT));
-  if (width != wanted.width || height != wanted.height) {
+  const cv::Size size = (*capture)->frame_size();
+  if (size != wanted) {
     return Fail(ErrorCode::kInvalidArgument,
                 calibration.string() + ": cam0.resolution asks for frames of " + SizeText(wanted.width, wanted.height) +
                     (rig->right ? " (both images side by side)" : "") + ", but those of " + source + " are " +
-                    SizeText(width, height) + "; allowed: the size of the frames");
+                    SizeText(size.width, size.height) + "; allowed: the size of the frames");
   }
   CameraInput input;
   input.name = camera ? "camera_" + source : fs::path(source).stem().string();

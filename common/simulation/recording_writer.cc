@@ -3,12 +3,13 @@
 #include <atomic>
 #include <cstdio>
 #include <fstream>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
 #include "common/base/mutex.h"
+#include "common/sensor/png_encoder.h"
 
 namespace pangaea {
 namespace {
@@ -22,9 +23,9 @@ std::string Format(const char* format, Values... values) {
   return std::string(text.data(), static_cast<std::size_t>(length));
 }
 
-Status WriteText(const fs::path& path, const std::string& text) {
+Status WriteFile(const fs::path& path, std::string_view octets) {
   std::ofstream file(path, std::ios::binary);
-  file << text;
+  file << octets;
   file.close();
   if (!file) return Fail(ErrorCode::kUnavailable, "cannot write " + path.string());
   return {};
@@ -93,8 +94,8 @@ Status WriteCameraTables(const Recording& recording, int session, const fs::path
     if (Status made = MakeFolder(of_camera / "data"); !made) return made;
     const std::string yaml = camera == 0 ? SensorYaml(rig.left, rig.body_from_left, 0, recording.options().rate)
                                          : SensorYaml(*rig.right, rig.body_from_right, 1, recording.options().rate);
-    if (Status written = WriteText(of_camera / "sensor.yaml", yaml); !written) return written;
-    if (Status written = WriteText(of_camera / "data.csv", ImageList(recording, session)); !written) return written;
+    if (Status written = WriteFile(of_camera / "sensor.yaml", yaml); !written) return written;
+    if (Status written = WriteFile(of_camera / "data.csv", ImageList(recording, session)); !written) return written;
   }
   return {};
 }
@@ -103,28 +104,12 @@ Status WriteTables(const Recording& recording, int session, const fs::path& fold
   if (Status written = WriteCameraTables(recording, session, folder); !written) return written;
   const fs::path truth = folder / "mav0" / "state_groundtruth_estimate0";
   if (Status made = MakeFolder(truth); !made) return made;
-  return WriteText(truth / "data.csv", TruthTable(recording, session));
+  return WriteFile(truth / "data.csv", TruthTable(recording, session));
 }
 
 Status WriteImage(const fs::path& path, const cv::Mat& image) {
-  // Noise does not compress: differences between neighbours (the encoder's default) and a code for them are all that
-  // is worth the time. Naming a compression level would make the encoder try five filters for each row.
-  static const std::vector<int> kParameters = {cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_HUFFMAN_ONLY};
-  std::vector<unsigned char> bytes;
-  try {
-    // OpenCV lists its codecs when the first is asked for: one thread does that, and the others wait for it here.
-    static const bool kCanEncode = cv::haveImageWriter(".png");
-    if (!kCanEncode || !cv::imencode(".png", image, bytes, kParameters)) {
-      return Fail(ErrorCode::kUnavailable, "cannot encode " + path.string());
-    }
-  } catch (const cv::Exception& error) {
-    return Fail(ErrorCode::kUnavailable, "cannot encode " + path.string() + ": " + error.what());
-  }
-  std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (!file) return Fail(ErrorCode::kUnavailable, "cannot write " + path.string());
-  return {};
+  const std::vector<std::byte> png = EncodeGrayPng(image);
+  return WriteFile(path, {reinterpret_cast<const char*>(png.data()), png.size()});
 }
 
 fs::path SessionFolder(const fs::path& folder, int session) { return folder / Format("session_%d", session + 1); }

@@ -8,6 +8,7 @@
 
 #include "common/base/text.h"
 #include "common/sensor/png.h"
+#include "common/sensor/png_encoder.h"
 #include "tests/sensor/temporary_folder.h"
 
 namespace pangaea {
@@ -80,6 +81,21 @@ TEST_F(ImageFile, JpegAndPgmAreReadToo) {
     const auto image = ReadGrayImage(path, {64, 48});
     ASSERT_TRUE(image) << image.error().message;
     EXPECT_LE(cv::norm(*image, picture, cv::NORM_INF), 1.0) << name;
+  }
+}
+
+TEST_F(ImageFile, WhatWeEncodeAsPngIsReadBitByBitByUsAndByOpenCv) {
+  const cv::Mat picture = Picture(97, 61);
+  for (const cv::Rect& part : {cv::Rect(0, 0, 97, 61), cv::Rect(5, 7, 64, 48), cv::Rect(3, 3, 1, 1)}) {
+    const std::vector<std::byte> png = EncodeGrayPng(picture(part));
+    const auto ours = DecodeGrayImage(png, {part.width, part.height});
+    ASSERT_TRUE(ours) << ours.error().message;
+    EXPECT_EQ(cv::norm(*ours, picture(part), cv::NORM_INF), 0.0);
+    const std::vector<std::uint8_t> octets(reinterpret_cast<const std::uint8_t*>(png.data()),
+                                           reinterpret_cast<const std::uint8_t*>(png.data() + png.size()));
+    const cv::Mat theirs = cv::imdecode(octets, cv::IMREAD_UNCHANGED);
+    ASSERT_EQ(theirs.type(), CV_8UC1);
+    EXPECT_EQ(cv::norm(theirs, picture(part), cv::NORM_INF), 0.0);
   }
 }
 

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
-#include <opencv2/imgcodecs.hpp>
 
 #include "common/base/text.h"
+#include "common/sensor/png_encoder.h"
 
 namespace pangaea::testing {
 namespace {
@@ -51,12 +51,17 @@ std::int64_t RecordedStamp(int frame) { return 1403715273262142976 + 50'000'000L
 
 void WriteText(const fs::path& path, const std::string& text) { EXPECT_TRUE(WriteTextFile(path, text)); }
 
+void WriteImage(const fs::path& path, const cv::Mat& gray) {
+  const std::vector<std::byte> png = EncodeGrayPng(gray);
+  WriteText(path, {reinterpret_cast<const char*>(png.data()), png.size()});
+}
+
 void WriteImage(const fs::path& path, int width, int height) {
   cv::Mat image(height, width, CV_8UC1);
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) image.at<std::uint8_t>(v, u) = static_cast<std::uint8_t>(50 + 3 * u + u * v);
   }
-  EXPECT_TRUE(cv::imwrite(path.string(), image));
+  WriteImage(path, image);
 }
 
 void Replace(const fs::path& path, const std::string& from, const std::string& to) {

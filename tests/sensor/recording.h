@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <opencv2/core/mat.hpp>
 #include <string>
 
 namespace pangaea::testing {
@@ -16,6 +17,7 @@ std::int64_t RecordedStamp(int frame);
 void WriteEurocRecording(const std::filesystem::path& folder);
 // 10 Hz from zero.
 void WriteKittiRecording(const std::filesystem::path& folder);
+void WriteImage(const std::filesystem::path& path, const cv::Mat& gray);
 // A grey PNG of any size.
 void WriteImage(const std::filesystem::path& path, int width, int height);
 void WriteText(const std::filesystem::path& path, const std::string& text);

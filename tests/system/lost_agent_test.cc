@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
-#include <opencv2/imgcodecs.hpp>
 
+#include "common/sensor/image.h"
 #include "tests/system/agent_system.h"
 
 namespace pangaea {
@@ -25,8 +25,9 @@ void Darken(const std::filesystem::path& dataset, int from, int to) {
     std::sort(images.begin(), images.end());
     for (int i = from; i < to; ++i) {
       const auto& path = images.at(static_cast<std::size_t>(i));
-      const cv::Mat image = cv::imread(path.string(), cv::IMREAD_GRAYSCALE);
-      ASSERT_TRUE(cv::imwrite(path.string(), cv::Mat::zeros(image.size(), CV_8UC1)));
+      const auto size = ReadImageSize(path);
+      ASSERT_TRUE(size) << size.error().message;
+      testing::WriteImage(path, cv::Mat::zeros(size->height, size->width, CV_8UC1));
     }
   }
 }
