@@ -11,8 +11,10 @@
 #include "agent/mapping/keyframe_insertion.h"
 #include "agent/mapping/map_strain.h"
 #include "agent/mapping/neighbourhood.h"
+#include "agent/mapping/vergence_check.h"
 #include "common/base/check.h"
 #include "common/map/covisibility.h"
+#include "common/map/keyframe_vergence.h"
 #include "common/map/map_edit.h"
 #include "common/map/spanning_tree.h"
 #include "common/mapping/landmark_creation.h"
@@ -27,7 +29,9 @@ bool LocalMapper::Insert(const KeyframeCandidate& candidate, StageRecorder& stag
   const StageScope whole(stages, "local_mapping");
   {
     const StageScope stage(stages, "mapping.insert");
-    std::vector<MapEdit> edits = InsertKeyframe(atlas_, candidate, options_.noise);
+    KeyframeCandidate corrected = candidate;
+    corrected.data = WithVergence(candidate.data, vergence_);
+    std::vector<MapEdit> edits = InsertKeyframe(atlas_, corrected, options_.noise);
     if (edits.empty()) return false;
     Commit(std::move(edits));
   }
@@ -50,6 +54,7 @@ bool LocalMapper::Insert(const KeyframeCandidate& candidate, StageRecorder& stag
   trials_.CountChances(atlas_, *atlas_.FindKeyframe(candidate.id), options_.search.max_view_angle);
   if (stop.stop_requested()) return true;
   AdjustAround(candidate.id, stages, stop);
+  if (IsVergenceDue(candidate.id)) CorrectVergence(candidate.id, stages, stop);
   {
     const StageScope stage(stages, "mapping.cull_keyframes");
     CullKeyframes(candidate.id, candidate.reference);
@@ -169,7 +174,8 @@ void LocalMapper::AdjustBeforeClosing(MapId map, StageRecorder& stages, const st
   if (!options_.wide_adjustment.enabled || options_.wide_adjustment.max_strain >= 1.0) return;
   const std::vector<KeyframeId> keyframes = ParentsFirst(atlas_, atlas_.Resolve(map));
   const auto newest = std::max_element(keyframes.begin(), keyframes.end());
-  if (newest != keyframes.end()) AdjustWidely(*newest, stages, stop);
+  if (newest == keyframes.end()) return;
+  if (!CorrectVergence(*newest, stages, stop)) AdjustWidely(*newest, stages, stop);
 }
 
 void LocalMapper::AdjustWidely(KeyframeId newest, StageRecorder& stages, const std::stop_token& stop) {
@@ -180,6 +186,27 @@ void LocalMapper::AdjustWidely(KeyframeId newest, StageRecorder& stages, const s
   if (stop.stop_requested()) return;  // half of an adjustment cannot be judged
   adjusted_widely_at_ = newest.counter;
   if (adjustment.outlier_share <= options.max_outliers) CommitAdjustment(std::move(adjustment));
+}
+
+bool LocalMapper::IsVergenceDue(KeyframeId newest) const {
+  const VergenceOptions& options = options_.vergence;
+  return newest.counter >= std::max(options.first_keyframes, 2 * vergence_checked_at_);
+}
+
+bool LocalMapper::CorrectVergence(KeyframeId newest, StageRecorder& stages, const std::stop_token& stop) {
+  if (stop.stop_requested()) return false;
+  std::optional<double> better;
+  {
+    const StageScope stage(stages, "mapping.vergence");
+    better = FindBetterVergence(atlas_, newest, options_.vergence, options_.noise, stop);
+  }
+  if (stop.stop_requested()) return false;
+  vergence_checked_at_ = newest.counter;
+  if (!better) return false;
+  vergence_ = *better;
+  Commit(SetVergence{session_, vergence_});
+  AdjustWidely(newest, stages, stop);
+  return true;
 }
 
 void LocalMapper::CommitAdjustment(LocalAdjustment adjustment) {

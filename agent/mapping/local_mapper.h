@@ -29,7 +29,8 @@ class LocalMapper {
 
   // Everything that one keyframe causes. Stages: "local_mapping" around "mapping.insert", "mapping.cull_landmarks",
   // "mapping.search", "mapping.create", "mapping.fuse", "mapping.bundle_adjustment", "mapping.cull_keyframes"; where
-  // the camera came back to an old place, now and then "mapping.wide_adjustment" after the bundle adjustment. When
+  // the camera came back to an old place, now and then "mapping.wide_adjustment" after the bundle adjustment; with two
+  // cameras, when there are twice as many keyframes as last time, "mapping.vergence". When
   // `stop` is requested (a newer keyframe waits), fusion, bundle adjustments and keyframe culling are left out or cut
   // short; the map is consistent all the same. False, and nothing done, for a candidate that cannot enter the map: its
   // map is closed, its id is in use, or its reference is unknown.
@@ -54,6 +55,8 @@ class LocalMapper {
   void Adopt(std::span<const MapEdit> edits);
 
   const Atlas& atlas() const { return atlas_; }
+  // By how much the rig turned out to differ from its calibration, radians (common/geometry/vergence.h).
+  double vergence() const { return vergence_; }
   // All edits applied since the last call, in order.
   std::vector<MapEdit> TakeEdits();
 
@@ -68,6 +71,10 @@ class LocalMapper {
   bool NeedsWideAdjustment(KeyframeId newest, std::span<const LandmarkId> landmarks) const;
   void AdjustWidely(KeyframeId newest, StageRecorder& stages, const std::stop_token& stop);
   void CommitAdjustment(LocalAdjustment adjustment);
+  bool IsVergenceDue(KeyframeId newest) const;
+  // Returns whether the rig turned out to have another vergence than its keyframes: now they have it, and the map is
+  // adjusted to it.
+  bool CorrectVergence(KeyframeId newest, StageRecorder& stages, const std::stop_token& stop);
   void CullKeyframes(KeyframeId newest, KeyframeId reference);
   // By which local mapping changes the atlas; Absorb takes over what its edits lead to.
   void Commit(MapEdit edit);
@@ -81,7 +88,9 @@ class LocalMapper {
   std::vector<MapEdit> pending_edits_;
   LandmarkTrials trials_;
   std::uint32_t landmarks_created_ = 0;
-  std::uint32_t adjusted_widely_at_ = 0;  // counter of the newest keyframe at the latest wide adjustment
+  std::uint32_t adjusted_widely_at_ = 0;   // counter of the newest keyframe at the latest wide adjustment
+  double vergence_ = 0.0;                  // radians, from the calibration; of all keyframes of the session
+  std::uint32_t vergence_checked_at_ = 0;  // counter of the newest keyframe then; 0: never
 };
 
 }  // namespace pangaea

@@ -67,6 +67,15 @@ void CheckWideAdjustment(const WideAdjustmentOptions& wide, RangeCheck& check) {
       .In("wide_adjustment.min_growth", wide.min_growth, 0, 100);
 }
 
+void CheckVergence(const VergenceOptions& vergence, RangeCheck& check) {
+  check.In("vergence.first_keyframes", vergence.first_keyframes, 3, 100000)
+      .In("vergence.window_keyframes", vergence.window_keyframes, 3, kDenseKeyframes)
+      .In("vergence.min_shift", vergence.min_shift, 0, 100)
+      .In("vergence.min_sigmas", vergence.min_sigmas, 0, 100)
+      .In("vergence.iterations", vergence.iterations, 1, 1000)
+      .In("vergence.cost_tolerance", vergence.cost_tolerance, 0, 1);
+}
+
 }  // namespace
 
 Status LocalMappingOptions::Check() const {
@@ -78,6 +87,7 @@ Status LocalMappingOptions::Check() const {
   CheckCreation(creation, check);
   CheckCulling(*this, check);
   CheckWideAdjustment(wide_adjustment, check);
+  CheckVergence(vergence, check);
   if (!check.status()) return check.status();
   if (auto status = CheckAdjustment("local mapping", bundle_adjustment, kDenseKeyframes); !status) return status;
   return CheckAdjustment("local mapping: wide_adjustment", wide_adjustment.bundle_adjustment, kMostWideKeyframes);

@@ -76,6 +76,19 @@ struct WideAdjustmentOptions {
                                                  .cost_tolerance = 1e-2};
 };
 
+// Whether the right camera looks where the calibration says (docs/decisions/0023-vergence.md).
+struct VergenceOptions {
+  // Looked at when the session has so many keyframes, and whenever it has twice as many as last time (count).
+  std::uint32_t first_keyframes = 10;
+  std::size_t window_keyframes = 20;  // around the newest (count)
+  // A correction is made of shifts in the image's middle of at least so many pixels: exactly calibrated flights show up
+  // to 0.06, from matching. 100: never.
+  double min_shift = 0.2;
+  double min_sigmas = 3.0;  // … and standard deviations
+  int iterations = 15;      // of each adjustment; most end earlier
+  double cost_tolerance = 1e-5;
+};
+
 struct KeyframeCullingOptions {
   // Part of a keyframe's landmarks that enough others see as well: then it says nothing new.
   double redundant_ratio = 0.9;
@@ -93,6 +106,7 @@ struct LocalMappingOptions {
   LandmarkCullingOptions landmark_culling;
   LocalBundleAdjustmentOptions bundle_adjustment;
   WideAdjustmentOptions wide_adjustment;
+  VergenceOptions vergence;
   KeyframeCullingOptions keyframe_culling;
 
   // Says which option is out of which range.

@@ -65,6 +65,7 @@ void ReadMapping(ConfigReader& reader, LocalMappingOptions& mapping) {
   reader.Read("mapping.iterations", &mapping.bundle_adjustment.iterations, Range{1, 100});
   reader.Read("mapping.max_strain", &mapping.wide_adjustment.max_strain, Range{0.0, 1.0});
   reader.Read("mapping.wide_keyframes", &mapping.wide_adjustment.bundle_adjustment.window_keyframes, Range{60, 5000});
+  reader.Read("mapping.min_vergence_shift", &mapping.vergence.min_shift, Range{0.0, 100.0});
   reader.Read("mapping.pixel_sigma", &mapping.noise.pixel_sigma, Range{0.05, 10.0});
   reader.Read("mapping.max_depth_baselines", &mapping.noise.max_depth_baselines, Range{1.0, 10000.0});
   reader.Read("mapping.search_radius", &mapping.search.radius, Range{0.5, 100.0});

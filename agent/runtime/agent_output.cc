@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <vector>
 
 #include "common/base/version.h"
 #include "common/evaluation/trajectory_file.h"
 #include "common/map/digest.h"
 #include "common/map/forgetting.h"
+#include "common/map/keyframe_vergence.h"
 #include "common/map/trajectory.h"
 
 namespace pangaea {
@@ -81,6 +83,7 @@ nlohmann::json ReportOf(const AgentRun& run) {
       {"maps", run.atlas->Maps().size()},
       {"keyframes", run.atlas->keyframe_count()},
       {"landmarks", run.atlas->landmark_count()},
+      {"vergence_deg", VergenceOf(*run.atlas, run.session) * 180.0 / std::numbers::pi},
       {"cpu_seconds", run.cpu_seconds},
       {"wall_seconds", run.wall_seconds},
       {"peak_rss_mib", run.peak_rss_mib},

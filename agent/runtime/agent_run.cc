@@ -144,7 +144,7 @@ Result<AgentRun> RunAgent(const AgentOptions& options, const std::stop_token& st
   MappingWorker worker(run.session, MappingOptionsFor(options), link->uplink.get());
   const Rigid3d camera_from_body = rectifier.body_from_camera().Inverse();
   Tracker tracker(run.session, rectifier.camera(), options.tracking, inputs->vocabulary, options.seed);
-  FlightRecorder recorder(run.name, frame_count, camera_from_body);
+  FlightRecorder recorder(run.session, run.name, frame_count, camera_from_body);
   StateTeller teller(run.session, camera_from_body, link->uplink.get(), inputs->lcm ? &*inputs->lcm : nullptr);
   FrameLoop loop(options, rectifier, tracker, worker, link->uplink.get(), recorder, teller);
   FrameSource source(*inputs->camera.frames, options.rate);

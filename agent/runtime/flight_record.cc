@@ -2,6 +2,9 @@
 
 #include <spdlog/spdlog.h>
 
+#include <numbers>
+#include <utility>
+
 #include "common/base/process_memory.h"
 
 namespace pangaea {
@@ -14,6 +17,7 @@ void FlightRecorder::Take(std::int64_t stamp_ns, const TrackingResult& result, c
   Count(stamp_ns, result);
   SayWhatChanged(result);
   SampleMemory(stamp_ns);
+  SayVergence(result, atlas);
   SayProgress(atlas);
 }
 
@@ -43,6 +47,15 @@ void FlightRecorder::SampleMemory(std::int64_t stamp_ns) {
   const double seconds = 1e-9 * static_cast<double>(stamp_ns - *first_stamp_ns_);
   if (seconds < kBetweenSamples * static_cast<double>(record_.memory.size())) return;
   record_.memory.push_back({seconds, ResidentMib()});
+}
+
+void FlightRecorder::SayVergence(const TrackingResult& result, const Atlas& atlas) {
+  const Keyframe* reference = atlas.FindKeyframe(atlas.Resolve(result.reference));
+  if (reference == nullptr || reference->id.session != session_) return;
+  const double vergence = reference->data->vergence;
+  if (std::exchange(vergence_, vergence) == vergence) return;
+  spdlog::warn("the right camera is turned by {:.3f} degrees ({:.2f} pixels) against its calibration: corrected",
+               vergence * 180.0 / std::numbers::pi, vergence * reference->data->camera.focal_x);
 }
 
 void FlightRecorder::SayProgress(const Atlas& atlas) {

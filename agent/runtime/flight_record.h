@@ -36,8 +36,9 @@ bool BeginsMap(const TrackingResult& result);
 class FlightRecorder {
  public:
   // `name` is the agent's; `frame_count`: of the whole flight, where that is known.
-  FlightRecorder(std::string name, std::optional<std::size_t> frame_count, const Rigid3d& camera_from_body)
-      : name_(std::move(name)), frame_count_(frame_count), camera_from_body_(camera_from_body) {}
+  FlightRecorder(SessionId session, std::string name, std::optional<std::size_t> frame_count,
+                 const Rigid3d& camera_from_body)
+      : session_(session), name_(std::move(name)), frame_count_(frame_count), camera_from_body_(camera_from_body) {}
 
   // The next frame; `atlas` is what it was tracked in.
   void Take(std::int64_t stamp_ns, const TrackingResult& result, const Atlas& atlas);
@@ -50,13 +51,16 @@ class FlightRecorder {
   void Count(std::int64_t stamp_ns, const TrackingResult& result);
   void SayWhatChanged(const TrackingResult& result);
   void SampleMemory(std::int64_t stamp_ns);
+  void SayVergence(const TrackingResult& result, const Atlas& atlas);
   void SayProgress(const Atlas& atlas);
 
+  const SessionId session_;
   const std::string name_;
   const std::optional<std::size_t> frame_count_;
   const Rigid3d camera_from_body_;
   FlightRecord record_;
   TrackingState state_ = TrackingState::kStarting;  // of the latest frame
+  double vergence_ = 0.0;                           // that was said
   std::optional<std::int64_t> first_stamp_ns_;
   Clock::time_point latest_progress_ = Clock::now();
 };

@@ -1,6 +1,7 @@
 #include "agent/uplink/mirror_update.h"
 
 #include <algorithm>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -77,6 +78,15 @@ std::vector<LandmarkId> MirrorUpdate::RemoveKeyframes(const std::set<KeyframeId>
     Emit(RemoveKeyframe{id});
   }
   return observed;
+}
+
+void MirrorUpdate::SetVergence() {
+  std::optional<double> vergence;
+  mirror_.ForEachKeyframe(session_, [&](const Keyframe& present) {
+    const Keyframe* wanted = agent_.FindKeyframe(present.id);
+    if (wanted != nullptr && wanted->data->vergence != present.data->vergence) vergence = wanted->data->vergence;
+  });
+  if (vergence) Emit(pangaea::SetVergence{session_, *vergence});
 }
 
 void MirrorUpdate::MoveKeyframes(const std::set<KeyframeId>& keyframes, const MoveThresholds& thresholds) {

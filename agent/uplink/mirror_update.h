@@ -37,6 +37,8 @@ class MirrorUpdate {
   // Fusions, removals, new landmarks, observations, reference keyframes; positions of new ones alone. Erases what is
   // done from `landmarks`; what stays waits for its reference keyframe to be sent, or for more observations.
   void MatchLandmarks(std::set<LandmarkId>& landmarks);
+  // The vergence of the session's rig. Keyframes that the mirror has not yet bring their own.
+  void SetVergence();
   void MoveKeyframes(const std::set<KeyframeId>& keyframes, const MoveThresholds& thresholds);
   void MoveLandmarks(const std::set<LandmarkId>& landmarks, const MoveThresholds& thresholds);
   // The frames these keyframes hold, where they are new or differ by more than the thresholds for keyframes.

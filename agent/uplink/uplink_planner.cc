@@ -41,6 +41,7 @@ UplinkPlan UplinkPlanner::Plan(const Atlas& snapshot, std::span<const MapEdit> a
   const std::size_t min_observations = kind == PlanKind::kFlush ? 1 : options_.min_observations;
   MirrorUpdate update(session_, snapshot, mirror_, plan.edits, min_observations);
   const MoveThresholds thresholds = Thresholds(kind);
+  if (std::exchange(vergence_is_new_, false)) update.SetVergence();
   update.MoveKeyframes(std::exchange(moved_keyframes_, {}), thresholds);
   std::vector<KeyframeId> due = Settled(snapshot, kind);
   const std::vector<KeyframeId> early = UnsentObservers(snapshot, forgotten);
@@ -115,13 +116,16 @@ void UplinkPlanner::Mark(const Atlas& snapshot, const MapEdit& edit) {
                    mark_frames(e.id);
                  },
                  [&](const RemoveLandmark& e) { landmarks_.insert(e.id); },
-                 [&](const AddLoopEdge&) {},                         // compared every time: there are few
-                 [&](const MergeMaps&) {}, [&](const CloseMap&) {},  // compared every time
+                 [&](const AddLoopEdge&) {},  // compared every time: there are few
+                 [&](const MergeMaps&) {},
+                 [&](const CloseMap&) {},  // compared every time
+                 [&](const SetVergence& e) { vergence_is_new_ = vergence_is_new_ || e.session == session_; },
              },
              edit);
 }
 
 void UplinkPlanner::MarkEverything(const Atlas& snapshot) {
+  vergence_is_new_ = true;
   snapshot.ForEachKeyframe([&](const Keyframe& keyframe) {
     if (!IsOwn(keyframe.id)) return;
     if (mirror_.FindKeyframe(keyframe.id) == nullptr) unsent_.insert(keyframe.id);

@@ -89,6 +89,7 @@ class UplinkPlanner {
   SessionId session_;
   Atlas mirror_;
   bool everything_is_new_ = false;
+  bool vergence_is_new_ = false;
   std::int64_t newest_stamp_ns_ = 0;
   std::set<MapId> farewells_;  // planned
   // What the agent touched and the mirror may not have followed yet.

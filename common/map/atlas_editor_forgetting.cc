@@ -46,6 +46,7 @@ void AtlasEditor::ForgetKeyframe(KeyframeId id) {
   auto place = std::make_shared<KeyframeData>();
   place->stamp_ns = keyframe.data->stamp_ns;
   place->camera = keyframe.data->camera;
+  place->vergence = keyframe.data->vergence;
   keyframe.data = std::move(place);
   keyframe.landmarks = {};
   keyframe.covisible = {};

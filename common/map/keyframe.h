@@ -11,11 +11,12 @@
 
 namespace pangaea {
 
-// What a keyframe saw: never changes after its creation.
+// What a keyframe saw. Nobody writes to it after its creation; SetVergence alone puts another in its place.
 struct KeyframeData {
   std::int64_t stamp_ns = 0;
   IdealCamera camera;
   Features features;
+  double vergence = 0.0;  // of the rig, radians, that the keypoints' u_right are for (common/geometry/vergence.h)
 };
 
 // The pose of an ordinary frame, held by its reference keyframe so that later corrections move it.

@@ -8,6 +8,7 @@ namespace pangaea {
 namespace {
 
 constexpr std::uint8_t kFormat = 1;
+constexpr std::uint8_t kFormatWithVergence = 2;  // the same, and the vergence after the stamp
 // Of a keypoint's first byte: the octave, and whether a column in the right image follows.
 constexpr std::uint8_t kOctaveMask = 0x7f;
 constexpr std::uint8_t kHasRight = 0x80;
@@ -77,8 +78,10 @@ IdealCamera ReadCamera(ByteReader& reader) {
 
 void EncodeKeyframeData(const KeyframeData& data, ByteWriter& writer) {
   const Features& features = data.features;
-  writer.Word(kFormat);
+  const bool turned = data.vergence != 0.0;
+  writer.Word(turned ? kFormatWithVergence : kFormat);
   writer.SignedVarint(data.stamp_ns);
+  if (turned) writer.Word(data.vergence);
   WriteCamera(data.camera, writer);
   writer.Varint(features.keypoints.size());
   if (IsNarrow(data.camera)) {
@@ -95,12 +98,13 @@ void EncodeKeyframeData(const KeyframeData& data, ByteWriter& writer) {
 
 Result<std::shared_ptr<const KeyframeData>> DecodeKeyframeData(ByteReader& reader) {
   const auto format = reader.Word<std::uint8_t>();
-  if (reader.ok() && format != kFormat) {
+  if (reader.ok() && format != kFormat && format != kFormatWithVergence) {
     reader.Invalidate();
     return Fail(ErrorCode::kUnsupported, "unknown format of keyframe data: " + std::to_string(format));
   }
   auto data = std::make_shared<KeyframeData>();
   data->stamp_ns = reader.SignedVarint();
+  if (format == kFormatWithVergence) data->vergence = reader.Word<double>();
   data->camera = ReadCamera(reader);
   const bool narrow = IsNarrow(data->camera);
   const std::size_t count = reader.Count((narrow ? 6 : 10) + sizeof(Descriptor));

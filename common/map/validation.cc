@@ -90,8 +90,14 @@ Status CheckPointInCamera(const Eigen::Vector3d& point_in_camera) {
   return {};
 }
 
+Status CheckVergence(double vergence) {
+  if (std::abs(vergence) <= kMaxVergence) return {};  // false for NaN
+  return Invalid("a vergence must be within " + std::to_string(kMaxVergence) + " rad of the calibration");
+}
+
 Status CheckKeyframeData(const KeyframeData& data) {
   if (auto status = CheckCamera(data.camera); !status) return status;
+  if (auto status = CheckVergence(data.vergence); !status) return status;
   const auto& keypoints = data.features.keypoints;
   if (keypoints.size() > kMaxKeypoints) return Invalid("more than " + std::to_string(kMaxKeypoints) + " keypoints");
   if (data.features.descriptors.size() != keypoints.size())

@@ -27,6 +27,8 @@ bool IsTotalScale(double scale);
 Status CheckPoint(const Eigen::Vector3d& point);
 // Also in front of the camera.
 Status CheckPointInCamera(const Eigen::Vector3d& point_in_camera);
+// Finite, within kMaxVergence.
+Status CheckVergence(double vergence);
 // A camera that can be and features that it can have seen.
 Status CheckKeyframeData(const KeyframeData& data);
 Status CheckKeypoint(const Keyframe& keyframe, std::uint32_t keypoint);

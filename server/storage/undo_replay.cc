@@ -33,6 +33,7 @@ class ConcernedMaps {
   void operator()(const AddLoopEdge& edit) { Add(edit.from), Add(edit.to); }
   void operator()(const MergeMaps& edit) { Add(edit.survivor), Add(edit.absorbed); }
   void operator()(const CloseMap& edit) { Add(edit.map); }
+  void operator()(const SetVergence&) {}  // agents alone set it
 
   std::set<MapId> maps;
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/geometry/vergence.h"
+
 namespace pangaea::testing {
 namespace {
 
@@ -96,7 +98,8 @@ Keypoint SyntheticWorld::MakeKeypoint(const Eigen::Vector3d& point_in_camera, in
                     .v = QuantizePixel(pixel.y() + sigma * Normal()),
                     .octave = static_cast<std::uint8_t>(octave)};
   if (camera_.is_stereo()) {
-    const double u_right = pixel.x() - camera_.focal_x * camera_.baseline / point_in_camera.z() + sigma * Normal();
+    const double exact = pixel.x() - camera_.focal_x * camera_.baseline / point_in_camera.z();
+    const double u_right = exact + VergenceShift(camera_, pixel.x(), options_.vergence) + sigma * Normal();
     if (u_right >= 0.0) keypoint.u_right = QuantizePixel(u_right);
   }
   return keypoint;

@@ -29,6 +29,7 @@ struct SyntheticWorldOptions {
   double position_noise = 0.015;  // of the tracked pose, metres
   double rotation_noise = 0.005;  // of the tracked pose, radians
   std::size_t max_keypoints = 1000;
+  double vergence = 0.0;  // of the rig, radians: the right camera is turned so far from where its calibration says
 };
 
 // A room of 10 x 10 x 4 m with random corners on its walls, floor and ceiling, and a stand-in for tracking that hands

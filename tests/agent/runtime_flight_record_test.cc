@@ -2,11 +2,13 @@
 
 #include "agent/runtime/flight_record.h"
 #include "tests/agent/captured_log.h"
+#include "tests/map/small_world.h"
 
 namespace pangaea {
 namespace {
 
 constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr SessionId kSession = kAnna;
 constexpr std::int64_t kStart = 1403715273 * kSecond;
 
 TrackingResult Tracked(double x = 0.0) {
@@ -23,7 +25,7 @@ TrackingResult Untracked(TrackingState state) {
   return result;
 }
 
-FlightRecorder Recorder(const Rigid3d& camera_from_body = {}) { return {"a1", std::nullopt, camera_from_body}; }
+FlightRecorder Recorder(const Rigid3d& camera_from_body = {}) { return {kSession, "a1", std::nullopt, camera_from_body}; }
 
 TEST(FlightRecorder, TheLiveTrajectoryIsTheBodysAndHasTheTrackedFramesAlone) {
   FlightRecorder recorder = Recorder(Rigid3d({1, 0, 0, 0}, {0, 0.5, 0}));
@@ -58,6 +60,20 @@ TEST(FlightRecorder, MemoryIsSampledEveryHalfMinuteOfTheFlight) {
     EXPECT_DOUBLE_EQ(memory[i].seconds, 30.0 * static_cast<double>(i));
     EXPECT_GT(memory[i].resident_mib, 1.0);
   }
+}
+
+TEST(FlightRecorder, ATurnedCameraIsSaidOnce) {
+  CapturedLog log;
+  FlightRecorder recorder = Recorder();
+  SmallWorld world = RowOfThree();
+  TrackingResult tracked = Tracked();
+  tracked.reference = K(2);
+  recorder.Take(kStart, tracked, world.atlas);
+  EXPECT_EQ(log.waiting(), 0U);
+  world.Do(SetVergence{kAnna, 0.01});
+  for (int i = 1; i < 4; ++i) recorder.Take(kStart + i, tracked, world.atlas);
+  ASSERT_EQ(log.waiting(), 1U);
+  EXPECT_NE(log.Next().find("turned by 0.573 degrees"), std::string::npos);
 }
 
 TEST(FlightRecorder, EachLossIsSaidOnce) {

@@ -56,6 +56,7 @@ std::map<std::string, double> ValuesOf(const AgentOptions& options) {
       {"mapping.iterations", number(mapping.bundle_adjustment.iterations)},
       {"mapping.max_strain", mapping.wide_adjustment.max_strain},
       {"mapping.wide_keyframes", number(mapping.wide_adjustment.bundle_adjustment.window_keyframes)},
+      {"mapping.min_vergence_shift", mapping.vergence.min_shift},
       {"mapping.pixel_sigma", mapping.noise.pixel_sigma},
       {"mapping.max_depth_baselines", mapping.noise.max_depth_baselines},
       {"mapping.search_radius", mapping.search.radius},

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "common/map/consistency.h"
 #include "common/map/digest.h"
 #include "common/map/map_edit.h"
@@ -34,6 +36,12 @@ std::vector<std::int64_t> Stamps(const Atlas& atlas) {
   return stamps;
 }
 
+std::map<KeyframeId, double> Vergences(const Atlas& atlas) {
+  std::map<KeyframeId, double> vergences;
+  atlas.ForEachKeyframe([&](const Keyframe& keyframe) { vergences[keyframe.id] = keyframe.data->vergence; });
+  return vergences;
+}
+
 class UplinkPlannerHistory : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(UplinkPlannerHistory, AfterAFlushTheServersAtlasEqualsTheAgents) {
@@ -57,6 +65,7 @@ TEST_P(UplinkPlannerHistory, AfterAFlushTheServersAtlasEqualsTheAgents) {
   EXPECT_EQ(Digest(server), Digest(own));
   EXPECT_EQ(Digest(planner.mirror()), Digest(own));
   EXPECT_EQ(CheckConsistency(server), std::vector<std::string>());
+  EXPECT_EQ(Vergences(server), Vergences(own));
   EXPECT_EQ(Stamps(server), Stamps(own));
   for (const MapId map : own.Maps()) EXPECT_EQ(server.FindMap(map)->closed, own.FindMap(map)->closed);
   // What has just been flushed need not be sent again.

@@ -34,7 +34,8 @@ class RandomHistory {
     if (choice < 89) return Do(FuseLandmarks{AnyLandmark(), AnyLandmark()});
     if (choice < 93) return Frames();
     if (choice < 96) return Cull(AnyKeyframe());
-    if (choice < 99) return Do(RemoveLandmark{AnyLandmark()});
+    if (choice < 98) return Do(RemoveLandmark{AnyLandmark()});
+    if (choice < 99) return Do(SetVergence{kSession, 0.002 * Uniform()});
     Do(CloseMap{{kSession, map_}});
     ++map_;
   }

@@ -27,7 +27,8 @@ std::vector<MapEdit> OneOfEachKind() {
           RemoveLandmark{L(3)},
           AddLoopEdge{K(1), K(2), similarity},
           MergeMaps{M(1), M(1, kBert), similarity, K(1, kBert), K(1), 17},
-          CloseMap{M(1)}};
+          CloseMap{M(1)},
+          SetVergence{kAnna, 0.00123}};
 }
 
 TEST(MapEditCodec, EveryKindComesBackAsItWas) {
@@ -132,7 +133,7 @@ TEST(MapEditCodec, TagsAreAsTheyEverWere) {
       {1, "add_keyframe"},       {2, "add_frame_poses"},  {3, "add_landmark"},   {4, "add_observation"},
       {5, "remove_observation"}, {6, "move_keyframes"},   {7, "move_landmarks"}, {8, "fuse_landmarks"},
       {9, "remove_keyframe"},    {10, "remove_landmark"}, {11, "add_loop_edge"}, {12, "merge_maps"},
-      {13, "close_map"}};
+      {13, "close_map"},         {14, "set_vergence"}};
   EXPECT_EQ(tags, expected);
 }
 

@@ -109,6 +109,7 @@ TEST(MapEditValidation, ImpossibleKeyframeDataAreRefused) {
       WithData([](KeyframeData& data) { data.camera.center_x = kNan; }),
       WithData([](KeyframeData& data) { data.camera.baseline = -0.1; }),
       WithData([](KeyframeData& data) { data.camera.width = 0; }),
+      WithData([](KeyframeData& data) { data.vergence = kNan; }),
       WithData([](KeyframeData& data) { data.features.descriptors.pop_back(); }),
       WithData([](KeyframeData& data) { data.features.keypoints[1].u = 752.0F; }),
       WithData([](KeyframeData& data) { data.features.keypoints[1].v = -1.0F; }),

@@ -113,7 +113,10 @@ MapEdit RandomEdits::Next(const Atlas& atlas) {
   if (draw < 95) return RemoveLandmark{AnyLandmark()};
   if (draw < 97) return AddLoopEdge{AnyKeyframe(), AnyKeyframe(), Similarity3d(AnyPose())};
   if (draw < 99) return MakeMerge(atlas);
-  return Below(4) == 0 ? MapEdit(CloseMap{AnyMap()}) : MapEdit(RemoveLandmark{AnyLandmark()});
+  const std::uint32_t rare = Below(4);
+  if (rare == 0) return CloseMap{AnyMap()};
+  if (rare == 1) return SetVergence{AnySession(), Uniform(-0.15, 0.15)};
+  return RemoveLandmark{AnyLandmark()};
 }
 
 }  // namespace pangaea

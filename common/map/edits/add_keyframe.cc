@@ -5,6 +5,7 @@
 #include "common/map/atlas_codec.h"
 #include "common/map/atlas_editor.h"
 #include "common/map/forgetting.h"
+#include "common/map/keyframe_vergence.h"
 #include "common/map/map_bytes.h"
 #include "common/map/validation.h"
 
@@ -61,7 +62,10 @@ Status Validate(const AddKeyframe& edit, const Atlas& atlas) {
 }
 
 void ApplyValid(const AddKeyframe& edit, AtlasEditor& editor) {
-  if (editor.atlas().FindKeyframe(edit.id) != nullptr) return editor.RecallKeyframe(edit.id, edit.data);
+  if (const Keyframe* present = editor.atlas().FindKeyframe(edit.id)) {
+    // It may have been sent before its rig's vergence was known.
+    return editor.RecallKeyframe(edit.id, WithVergence(edit.data, present->data->vergence));
+  }
   Keyframe keyframe;
   keyframe.id = edit.id;
   keyframe.map = edit.map;

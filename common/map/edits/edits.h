@@ -15,12 +15,13 @@
 #include "common/map/edits/remove_keyframe.h"
 #include "common/map/edits/remove_landmark.h"
 #include "common/map/edits/remove_observation.h"
+#include "common/map/edits/set_vergence.h"
 
 namespace pangaea {
 
 // Every change to an atlas.
-using MapEdit =
-    std::variant<AddKeyframe, AddFramePoses, AddLandmark, AddObservation, RemoveObservation, MoveKeyframes,
-                 MoveLandmarks, FuseLandmarks, RemoveKeyframe, RemoveLandmark, AddLoopEdge, MergeMaps, CloseMap>;
+using MapEdit = std::variant<AddKeyframe, AddFramePoses, AddLandmark, AddObservation, RemoveObservation, MoveKeyframes,
+                             MoveLandmarks, FuseLandmarks, RemoveKeyframe, RemoveLandmark, AddLoopEdge, MergeMaps,
+                             CloseMap, SetVergence>;
 
 }  // namespace pangaea
