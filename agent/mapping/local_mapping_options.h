@@ -76,7 +76,7 @@ struct WideAdjustmentOptions {
                                                  .cost_tolerance = 1e-2};
 };
 
-// Whether the right camera looks where the calibration says (docs/decisions/0023-vergence.md).
+// Whether the right camera looks where the calibration says (docs/decisions/0024-vergence.md).
 struct VergenceOptions {
   // Looked at when the session has so many keyframes, and whenever it has twice as many as last time (count).
   std::uint32_t first_keyframes = 10;
