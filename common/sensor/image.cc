@@ -9,9 +9,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/sensor/image_decoder.h"
+#include "common/sensor/jpeg.h"
 #include "common/sensor/png.h"
 
 namespace pangaea {
@@ -35,34 +37,6 @@ Result<Bytes> ReadBytes(const std::filesystem::path& path) {
 }
 
 int ByteAt(std::span<const std::byte> bytes, std::size_t i) { return static_cast<int>(bytes[i]); }
-
-bool IsJpeg(std::span<const std::byte> file) {
-  return file.size() >= 2 && ByteAt(file, 0) == 0xFF && ByteAt(file, 1) == 0xD8;
-}
-
-// The decoder fills what is missing with grey and succeeds, so the end-of-image marker is looked for here. A few bytes
-// of padding may follow it.
-bool JpegIsComplete(std::span<const std::byte> file) {
-  std::size_t end = file.size();
-  while (end > 2 && ByteAt(file, end - 1) == 0) --end;
-  return end > 2 && ByteAt(file, end - 2) == 0xFF && ByteAt(file, end - 1) == 0xD9;
-}
-
-// ITU T.81, annex B: the frame header SOFn holds the size.
-Result<ImageSize> JpegSize(std::span<const std::byte> file) {
-  std::size_t at = 2;
-  while (at + 9 <= file.size() && ByteAt(file, at) == 0xFF) {
-    const int marker = ByteAt(file, at + 1);
-    const bool is_frame_header = marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
-    if (is_frame_header) {
-      return ImageSize{ByteAt(file, at + 7) << 8 | ByteAt(file, at + 8),
-                       ByteAt(file, at + 5) << 8 | ByteAt(file, at + 6)};
-    }
-    const bool is_fill = marker == 0xFF;
-    at += is_fill ? 1 : 2 + static_cast<std::size_t>(ByteAt(file, at + 2) << 8 | ByteAt(file, at + 3));
-  }
-  return Fail(ErrorCode::kCorrupt, "truncated or corrupt: the JPEG has no frame header");
-}
 
 // A binary PGM: "P5", width, height, largest value, one blank, pixels.
 struct PgmParts {
@@ -125,7 +99,8 @@ Result<cv::Mat> DecodeJpeg(std::span<const std::byte> file, ImageSize expected) 
   if (!size) return tl::make_unexpected(size.error());
   if (auto status = CheckSize(*size, expected); !status) return tl::make_unexpected(status.error());
   if (!JpegIsComplete(file)) return Fail(ErrorCode::kCorrupt, "truncated: the file ends before the JPEG does");
-  return DecodeWithOpenCv(file, expected, "a JPEG");
+  if (auto image = DecodeGrayJpeg(file, *size)) return std::move(*image);
+  return DecodeWithOpenCv(file, expected, "a JPEG of four components or without Huffman tables");
 }
 
 Result<cv::Mat> DecodePgm(std::span<const std::byte> file, ImageSize expected) {

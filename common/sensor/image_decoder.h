@@ -22,7 +22,7 @@ struct ImageDecoder {
   Result<cv::Mat> (*decode_gray)(std::span<const std::byte> file);
 };
 
-// Opened by the first caller, while others wait. `needed_by` says what for, in an error: "a JPEG". Any thread.
+// Opened by the first caller, while others wait. `needed_by` says what for, in an error: "a colour PNG". Any thread.
 Result<const ImageDecoder*> OpenImageDecoder(const std::string& needed_by);
 
 }  // namespace pangaea

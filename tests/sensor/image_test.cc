@@ -5,6 +5,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 #include <random>
+#include <span>
 
 #include "common/base/text.h"
 #include "common/sensor/png.h"
@@ -14,6 +15,7 @@
 namespace pangaea {
 namespace {
 
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 
 // Smooth shapes with a little noise, so that an encoder tries all its filters.
@@ -97,6 +99,60 @@ TEST_F(ImageFile, WhatWeEncodeAsPngIsReadBitByBitByUsAndByOpenCv) {
     ASSERT_EQ(theirs.type(), CV_8UC1);
     EXPECT_EQ(cv::norm(theirs, picture(part), cv::NORM_INF), 0.0);
   }
+}
+
+// What OpenCV makes of a file, nothing where it cannot.
+cv::Mat ByOpenCv(const std::string& file) {
+  const std::vector<char> octets(file.begin(), file.end());
+  return cv::imdecode(octets, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+}
+
+Result<cv::Mat> ByUs(const std::string& file, ImageSize size) {
+  return DecodeGrayImage(std::as_bytes(std::span(file)), size);
+}
+
+TEST_F(ImageFile, AJpegIsReadBitByBitAsByOpenCv) {
+  const cv::Mat gray = Picture(67, 49);
+  cv::Mat colours;
+  cv::merge(std::vector<cv::Mat>{gray, 255 - gray, Picture(67, 49) / 2}, colours);
+  const std::vector<std::vector<int>> kinds = {{},
+                                               {cv::IMWRITE_JPEG_QUALITY, 30},
+                                               {cv::IMWRITE_JPEG_PROGRESSIVE, 1},
+                                               {cv::IMWRITE_JPEG_RST_INTERVAL, 2},
+                                               {cv::IMWRITE_JPEG_OPTIMIZE, 1}};
+  for (const cv::Mat& source : {gray, colours}) {
+    for (const auto& kind : kinds) {
+      const std::string file = Bytes(Write("a.jpg", source, kind));
+      const auto image = ByUs(file, {67, 49});
+      ASSERT_TRUE(image) << image.error().message;
+      EXPECT_EQ(cv::norm(*image, ByOpenCv(file), cv::NORM_INF), 0.0);
+    }
+  }
+}
+
+TEST_F(ImageFile, ADamagedJpegIsTakenOrRefusedAsByOpenCv) {
+  const std::string whole = Bytes(Write("a.jpg", Picture(64, 48)));
+  std::mt19937 random(3);
+  int taken = 0;
+  int refused = 0;
+  ::testing::internal::CaptureStderr();  // OpenCV's warnings
+  for (int round = 0; round < 400; ++round) {
+    std::string damaged = whole;
+    for (int i = 0; i <= round % 4; ++i) damaged[2 + random() % (whole.size() - 4)] = static_cast<char>(random());
+    const auto image = ByUs(damaged, {64, 48});
+    const cv::Mat theirs = ByOpenCv(damaged);
+    (image ? taken : refused) += 1;
+    if (image) {
+      ASSERT_EQ(theirs.size(), image->size()) << round;
+      EXPECT_EQ(cv::norm(*image, theirs, cv::NORM_INF), 0.0) << round;
+    } else if (!theirs.empty()) {  // we look at the size first
+      EXPECT_THAT(image.error().message, AnyOf(HasSubstr("the calibration says"), HasSubstr("no frame header")))
+          << round;
+    }
+  }
+  ::testing::internal::GetCapturedStderr();
+  EXPECT_GT(taken, 20);
+  EXPECT_GT(refused, 20);
 }
 
 TEST_F(ImageFile, ATruncatedPngIsAnErrorWhereverItEnds) {
