@@ -2,15 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "common/estimation/bundle_phase.h"
+#include "common/estimation/measured_noise.h"
 
 namespace pangaea {
 namespace {
 
 // Larger coordinates (map units, pixels, 1 / pixels) are garbage, and their squares would drown the others.
 constexpr double kMaxMagnitude = 1e8;
+constexpr double kAnyError = std::numeric_limits<double>::infinity();
 
 [[nodiscard]] tl::unexpected<Error> Invalid(const std::string& what, std::size_t index, const char* why) {
   return Fail(ErrorCode::kInvalidArgument, "bundle adjustment: " + what + " " + std::to_string(index) + " " + why);
@@ -74,9 +77,9 @@ BundleState InitialState(const BundleProblem& problem) {
   return state;
 }
 
-// Per observation 1 where it is in front of its camera and, if asked to judge, within its threshold.
+// Per observation 1 where it is in front of its camera and within its threshold for noise of so many of its sigmas.
 std::vector<std::uint8_t> FindInliers(const BundleProblem& problem, const BundleState& state,
-                                      const BundleOptions& options, bool judge_error) {
+                                      const BundleOptions& options, double noise) {
   std::vector<std::uint8_t> inliers(problem.observations.size());
   for (std::size_t i = 0; i < inliers.size(); ++i) {
     const BundleObservation& observation = problem.observations[i];
@@ -85,10 +88,16 @@ std::vector<std::uint8_t> FindInliers(const BundleProblem& problem, const Bundle
         state.camera_from_map[observation.pose] * state.point_in_map[observation.point];
     const Eigen::Vector3d error =
         observation.inverse_sigma * ReprojectionError(camera, point_in_camera, observation.measurement);
-    const double limit = IsStereo(observation.measurement) ? options.stereo_chi2 : options.monocular_chi2;
-    inliers[i] = point_in_camera.z() > kMinDepth && (!judge_error || error.squaredNorm() <= limit) ? 1 : 0;
+    const double chi2 = IsStereo(observation.measurement) ? options.stereo_chi2 : options.monocular_chi2;
+    inliers[i] = point_in_camera.z() > kMinDepth && error.squaredNorm() <= noise * noise * chi2 ? 1 : 0;
   }
   return inliers;
+}
+
+double NoiseOf(const BundleProblem& problem, const BundleState& state, const BundleOptions& options) {
+  if (options.least_noise >= 1.0) return 1.0;
+  const double noise = MeasuredNoise(problem, state.camera_from_map, state.point_in_map);
+  return std::min(1.0, kBeyondDoubt * std::max(noise, options.least_noise));
 }
 
 PhaseOutcome RunPhase(const BundlePhase& phase, BundleState& state) {
@@ -103,6 +112,7 @@ Status BundleOptions::Check() const {
     return Fail(ErrorCode::kInvalidArgument, std::string("bundle adjustment: ") + what);
   };
   if (!(monocular_chi2 > 0.0) || !(stereo_chi2 > 0.0)) return refuse("chi2 thresholds must be > 0");
+  if (!(least_noise > 0.0) || !(least_noise <= 1.0)) return refuse("least_noise must be above 0 and at most 1");
   if (iterations < 1) return refuse("iterations must be >= 1");
   if (iterations_without_outliers < 0) return refuse("iterations_without_outliers must be >= 0");
   if (!(cost_tolerance >= 0.0)) return refuse("cost_tolerance must be >= 0");
@@ -117,16 +127,17 @@ Result<BundleResult> SolveBundle(const BundleProblem& problem, const BundleOptio
 
   BundleState state = InitialState(problem);
   // A point behind its camera gives no usable direction of descent.
-  std::vector<std::uint8_t> active = FindInliers(problem, state, options, false);
+  std::vector<std::uint8_t> active = FindInliers(problem, state, options, kAnyError);
   PhaseOutcome outcome = RunPhase({problem, options, active, options.robust, options.iterations}, state);
   BundleResult result;
   result.initial_cost = outcome.initial_cost;
   result.iterations = outcome.iterations;
-  active = FindInliers(problem, state, options, true);
+  const double noise = NoiseOf(problem, state, options);
+  active = FindInliers(problem, state, options, noise);
   if (options.iterations_without_outliers > 0 && !outcome.cancelled) {
     outcome = RunPhase({problem, options, active, false, options.iterations_without_outliers}, state);
     result.iterations += outcome.iterations;
-    active = FindInliers(problem, state, options, true);
+    active = FindInliers(problem, state, options, noise);
   }
   result.final_cost = outcome.final_cost;
   result.converged = outcome.converged;

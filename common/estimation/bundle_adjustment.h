@@ -56,6 +56,10 @@ struct BundleOptions {
   // Squared residuals, in sigmas, beyond which an observation is an outlier; the Huber kernel bends at their roots.
   double monocular_chi2 = kMonocularChi2;
   double stereo_chi2 = kStereoChi2;
+  // The measurements may be better than their sigmas say: what is off by kBeyondDoubt times the root of its threshold,
+  // in the noise that the first phase's residuals show (MeasuredNoise, at least this), is an outlier as well. 1: by the
+  // given sigmas alone.
+  double least_noise = 1.0;
   bool robust = true;  // Huber kernel in the first phase; without it, plain least squares
   int iterations = 5;  // steps of the first phase
   // Steps of a second phase without kernel and without the observations that the first left as outliers. 0: none.

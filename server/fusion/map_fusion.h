@@ -14,9 +14,14 @@
 namespace pangaea {
 
 struct MapFusionOptions {
-  // The window of the search is what poses may be off far from any seam; descriptors may differ a little more than in
-  // local mapping, for views are farther apart, and geometry decides.
+  // The search's radii and gate at most. The window is what poses may be off far from any seam; descriptors may differ
+  // a little more than in local mapping, for views are farther apart, and geometry decides.
   LandmarkSearchOptions search = {.radius = 4.0, .old_radius = 4.0, .fusion_gate = 4.0, .one_per_keypoint = false};
+  // As far as so many standard deviations of the noise that the map shows, the window and the gate reach, but not less
+  // than `least_radius` (octave pixels): two corners a pixel or two apart look much alike, and made one they bend the
+  // map (docs/decisions/0024-noise-of-a-map.md).
+  double noise_radius = 3.7;
+  double least_radius = 1.0;
   // What was looked for in a keyframe in vain is looked for again when it has moved in its image by this share of the
   // search radius since: then the window is clearly another one.
   double tolerance = 0.5;

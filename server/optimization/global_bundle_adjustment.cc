@@ -11,12 +11,9 @@
 #include "common/estimation/bundle_adjustment.h"
 #include "common/map/edits/reference_scale.h"
 #include "common/map/spanning_tree.h"
-#include "common/mapping/bundle_window.h"
 
 namespace pangaea {
-namespace {
 
-// The root is fixed, all else is free. Landmarks ascend.
 BundleWindow WholeMap(const Atlas& atlas, MapId map) {
   BundleWindow window;
   const std::vector<KeyframeId> tree = ParentsFirst(atlas, map);
@@ -34,6 +31,8 @@ BundleWindow WholeMap(const Atlas& atlas, MapId map) {
   return window;
 }
 
+namespace {
+
 std::size_t CovisiblePairs(const Atlas& atlas, const std::vector<KeyframeId>& keyframes) {
   std::size_t ends = 0;
   for (const KeyframeId id : keyframes) ends += atlas.FindKeyframe(id)->covisible.size();
@@ -45,6 +44,7 @@ BundleOptions SolverOptions(const GlobalBundleOptions& options, std::size_t pair
   solver.solver = pairs <= options.direct_pairs ? BundleSolver::kSparse : BundleSolver::kIterativeSchur;
   solver.iterations = options.iterations;
   solver.iterations_without_outliers = options.iterations_without_outliers;
+  solver.least_noise = options.least_noise;
   solver.cost_tolerance = options.cost_tolerance;
   solver.threads = options.threads;
   solver.max_seconds = options.max_seconds;
@@ -132,6 +132,7 @@ Status GlobalBundleOptions::Check() const {
   };
   if (!(noise.pixel_sigma > 0.0)) return refuse("noise.pixel_sigma must be > 0");
   if (!(noise.max_depth_baselines > 0.0)) return refuse("noise.max_depth_baselines must be > 0");
+  if (!(least_noise > 0.0) || !(least_noise <= 1.0)) return refuse("least_noise must be above 0 and at most 1");
   if (iterations < 1) return refuse("iterations must be >= 1");
   if (iterations_without_outliers < 0) return refuse("iterations_without_outliers must be >= 0");
   if (!(cost_tolerance >= 0.0)) return refuse("cost_tolerance must be >= 0");

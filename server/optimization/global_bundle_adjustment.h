@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/mapping/bundle_window.h"
 #include "common/mapping/measurement_noise.h"
 #include "server/optimization/correction.h"
 
@@ -17,6 +18,11 @@ struct GlobalBundleOptions {
   int iterations = 10;                   // steps with the robust kernel
   int iterations_without_outliers = 10;  // then so many without it and without the outliers it showed
   double cost_tolerance = 1e-4;          // a phase ends when a step lowers the cost by less than this, relatively
+  // What contradicts the adjusted map is judged by the noise that the map itself shows, which is mostly less than
+  // noise.pixel_sigma: by that, what is off by a pixel or two, as a neighbouring corner taken for the same one is,
+  // would stay and bend the map (docs/decisions/0024-noise-of-a-map.md). Not below this, in pixel_sigma: corners are
+  // found on a grid of pixels, which alone makes 0.29.
+  double least_noise = 0.3;
   // A keyframe with fewer observations (count) keeps its pose relative to its parent: six unknowns want some
   // redundancy.
   std::size_t min_observations = 10;
@@ -32,6 +38,9 @@ struct GlobalBundleOptions {
 
   Status Check() const;
 };
+
+// All keyframes and landmarks of a map that were seen at least twice: the root is fixed, all else is free.
+BundleWindow WholeMap(const Atlas& atlas, MapId map);
 
 struct GlobalBundle {
   // Against the snapshot: every keyframe but the root, and the landmarks of at least two views. Those of one view
