@@ -37,7 +37,7 @@ struct AgentOptions {
   // The same where no server was ever seen: longer than the network takes to find one.
   std::chrono::milliseconds discovery_patience{5000};
   // After that, how long the server may take to finish what it is correcting: the final trajectory profits.
-  std::chrono::milliseconds correction_patience{20000};
+  std::chrono::milliseconds correction_patience{60000};
   // With `deterministic`, corrections are absorbed at every so many frames alone.
   int frames_between_corrections = 100;
   std::filesystem::path vocabulary;  // empty: the one built into the program

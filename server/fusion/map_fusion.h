@@ -19,7 +19,7 @@ struct MapFusionOptions {
   LandmarkSearchOptions search = {.radius = 4.0, .old_radius = 4.0, .fusion_gate = 4.0, .one_per_keypoint = false};
   // As far as so many standard deviations of the noise that the map shows, the window and the gate reach, but not less
   // than `least_radius` (octave pixels): two corners a pixel or two apart look much alike, and made one they bend the
-  // map (docs/decisions/0024-noise-of-a-map.md).
+  // map (docs/decisions/0025-noise-of-a-map.md).
   double noise_radius = 3.7;
   double least_radius = 1.0;
   // What was looked for in a keyframe in vain is looked for again when it has moved in its image by this share of the

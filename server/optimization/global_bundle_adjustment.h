@@ -20,7 +20,7 @@ struct GlobalBundleOptions {
   double cost_tolerance = 1e-4;          // a phase ends when a step lowers the cost by less than this, relatively
   // What contradicts the adjusted map is judged by the noise that the map itself shows, which is mostly less than
   // noise.pixel_sigma: by that, what is off by a pixel or two, as a neighbouring corner taken for the same one is,
-  // would stay and bend the map (docs/decisions/0024-noise-of-a-map.md). Not below this, in pixel_sigma: corners are
+  // would stay and bend the map (docs/decisions/0025-noise-of-a-map.md). Not below this, in pixel_sigma: corners are
   // found on a grid of pixels, which alone makes 0.29.
   double least_noise = 0.3;
   // A keyframe with fewer observations (count) keeps its pose relative to its parent: six unknowns want some
