@@ -50,7 +50,8 @@ void AddMeasurement(const BundlePhase& phase, const BundleObservation& observati
   const bool stereo = IsStereo(observation.measurement);
   const double bend = stereo ? phase.options.stereo_chi2 : phase.options.monocular_chi2;
   const int position = static_cast<int>(layout.measurements.size());
-  layout.measurements.push_back({observation.measurement.x(), observation.measurement.y(), observation.measurement.z(),
+  const double disparity = observation.measurement.x() - observation.measurement.z();
+  layout.measurements.push_back({observation.measurement.x(), observation.measurement.y(), disparity,
                                  observation.inverse_sigma * observation.inverse_sigma,
                                  phase.robust ? bend : std::numeric_limits<double>::max(), observation.pose, stereo});
   if (layout.tracks.empty() || layout.tracks.back().point != observation.point) {

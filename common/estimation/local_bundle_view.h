@@ -19,7 +19,7 @@ struct Camera {
 };
 
 struct Measurement {
-  double u, v, u_right;
+  double u, v, disparity;
   double squared_weight;  // inverse_sigma^2
   double bend;            // of Huber's kernel, a squared residual in sigmas
   int camera;
@@ -45,7 +45,7 @@ inline double Huber(double squared, double bend, double& weight) {
 
 struct Residual {
   double x, y, z, inverse_depth;
-  double u, v, r;
+  double u, v, d;  // as ReprojectionError
   double squared;
 };
 
@@ -59,8 +59,8 @@ inline Residual Project(const Camera& camera, const Measurement& measurement, co
   const double a = camera.focal_x * e.inverse_depth;
   e.u = a * e.x + camera.center_x - measurement.u;
   e.v = camera.focal_y * e.inverse_depth * e.y + camera.center_y - measurement.v;
-  e.r = measurement.stereo ? a * (e.x - camera.baseline) + camera.center_x - measurement.u_right : 0.0;
-  e.squared = measurement.squared_weight * (e.u * e.u + e.v * e.v + e.r * e.r);
+  e.d = measurement.stereo ? kDisparityPrecision * (a * camera.baseline - measurement.disparity) : 0.0;
+  e.squared = measurement.squared_weight * (e.u * e.u + e.v * e.v + e.d * e.d);
   return e;
 }
 
@@ -75,15 +75,14 @@ inline View LookAt(const Camera& camera, const Measurement& measurement, const E
   const double b = camera.focal_y * e.inverse_depth;
   const double du = -a * e.x * slope;
   const double dv = -b * e.y * slope;
-  const double s = measurement.stereo ? 1.0 : 0.0;
-  const double dr = -s * a * (e.x - camera.baseline) * slope;
+  const double dd = measurement.stereo ? -kDisparityPrecision * a * camera.baseline * slope : 0.0;
   view.point_in_camera = {e.x, e.y, e.z};
-  view.xx = w * a * a * (1.0 + s);
-  view.xz = w * a * (du + dr);
+  view.xx = w * a * a;
+  view.xz = w * a * du;
   view.yy = w * b * b;
   view.yz = w * b * dv;
-  view.zz = w * (du * du + dv * dv + dr * dr);
-  view.gradient = {w * a * (e.u + e.r), w * b * e.v, w * (du * e.u + dv * e.v + dr * e.r)};
+  view.zz = w * (du * du + dv * dv + dd * dd);
+  view.gradient = {w * a * e.u, w * b * e.v, w * (du * e.u + dv * e.v + dd * e.d)};
   return view;
 }
 

@@ -15,10 +15,10 @@ using Lanes = double[kLanes];
 
 // Observations gathered for one vector pass; lanes without one have weight 0.
 struct Block {
-  Lanes x{}, y{}, z{};        // the point in the map
-  Lanes u{}, v{}, u_right{};  // the measurement
-  Lanes squared_weight{};     // inverse_sigma^2
-  Lanes stereo{};             // 1 or 0
+  Lanes x{}, y{}, z{};          // the point in the map
+  Lanes u{}, v{}, disparity{};  // the measurement
+  Lanes squared_weight{};       // inverse_sigma^2
+  Lanes stereo{};               // 1 or 0
   // Of the kernel. Positive also where there is no observation: it is a divisor.
   Lanes bend = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
 };
@@ -72,13 +72,13 @@ struct Terms {
   const double b = c.focal_y * inverse_depth;
   const double du = -a * x * slope;
   const double dv = -b * y * slope;
-  const double dr = -a * (x - c.baseline) * slope;
+  const double dd = -kDisparityPrecision * a * c.baseline * slope;
   const double s = block.stereo[i];
   const double error_u = a * x + c.center_x - block.u[i];
   const double error_v = b * y + c.center_y - block.v[i];
-  const double error_r = s * (a * (x - c.baseline) + c.center_x - block.u_right[i]);
+  const double error_d = s * kDisparityPrecision * (a * c.baseline - block.disparity[i]);
 
-  const double squared = block.squared_weight[i] * (error_u * error_u + error_v * error_v + error_r * error_r);
+  const double squared = block.squared_weight[i] * (error_u * error_u + error_v * error_v + error_d * error_d);
   const double bend = block.bend[i];
   const bool beyond = squared > bend;
   const double root = std::sqrt(bend / (beyond ? squared : bend));  // 1 inside the bend
@@ -88,14 +88,14 @@ struct Terms {
           .y = y,
           .z = z,
           .cost = beyond ? 2.0 * root * squared - bend : squared,
-          .xx = wa * a * (1.0 + s),
-          .xz = wa * (du + s * dr),
+          .xx = wa * a,
+          .xz = wa * du,
           .yy = w * b * b,
           .yz = w * b * dv,
-          .zz = w * (du * du + dv * dv + s * dr * dr),
-          .gx = wa * (error_u + error_r),
+          .zz = w * (du * du + dv * dv + s * dd * dd),
+          .gx = wa * error_u,
           .gy = w * b * error_v,
-          .gz = w * (du * error_u + dv * error_v + dr * error_r)};
+          .gz = w * (du * error_u + dv * error_v + dd * error_d)};
 }
 
 [[gnu::always_inline]] inline void AddTranslation(const Terms& t, Sums& __restrict sums, int i) {
@@ -171,7 +171,7 @@ void SetLane(Block& block, int lane, const PoseObservation& observation, bool st
   block.z[lane] = observation.point_in_map.z();
   block.u[lane] = observation.measurement.x();
   block.v[lane] = observation.measurement.y();
-  block.u_right[lane] = observation.measurement.z();
+  block.disparity[lane] = observation.measurement.x() - observation.measurement.z();
   block.squared_weight[lane] = observation.inverse_sigma * observation.inverse_sigma;
   block.stereo[lane] = stereo ? 1.0 : 0.0;
   block.bend[lane] = stereo ? bends.stereo : bends.monocular;

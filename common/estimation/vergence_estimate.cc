@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "common/geometry/vergence.h"
@@ -9,9 +10,10 @@
 namespace pangaea {
 namespace {
 
-constexpr int kRounds = 4;                 // of an error of many pixels, which the robust kernel hides at first
+constexpr int kRounds = 10;                // for errors of many pixels, which the robust kernel hides at first
 constexpr double kStepPixels = 1.0;        // to either side: well above rounding, below where outliers begin
 constexpr double kConvergedPixels = 0.05;  // a round that moves it by less is the last
+constexpr double kMostSteps = 4.0;         // in one round: what lies beyond is no parabola any more
 
 const IdealCamera& CameraOf(const BundleProblem& problem, const BundleObservation& observation) {
   return problem.cameras[static_cast<std::size_t>(problem.poses[static_cast<std::size_t>(observation.pose)].camera)];
@@ -34,6 +36,8 @@ std::optional<double> AdjustedCost(BundleProblem problem, const BundleOptions& o
   return result->final_cost;
 }
 
+// One round of the search. Where the cost does not bend upwards, all is far off and the robust kernel hides by how
+// much: then the bottom lies somewhere down the slope, and `sigma` is infinite.
 std::optional<VergenceEstimate> BottomOfParabola(const BundleProblem& problem, const BundleOptions& options,
                                                  double around, double step) {
   const auto less = AdjustedCost(problem, options, around - step);
@@ -42,9 +46,10 @@ std::optional<VergenceEstimate> BottomOfParabola(const BundleProblem& problem, c
   if (!less || !here || !more) return std::nullopt;
   const double slope = (*more - *less) / (2.0 * step);
   const double curvature = (*less + *more - 2.0 * *here) / (step * step);
-  if (!(curvature > 0.0)) return std::nullopt;
-  // No farther than a few steps at once: what lies beyond is no parabola any more.
-  const double shift = std::clamp(-slope / curvature, -4.0 * step, 4.0 * step);
+  if (!(curvature > 0.0)) {
+    return VergenceEstimate{around - std::copysign(kMostSteps * step, slope), std::numeric_limits<double>::infinity()};
+  }
+  const double shift = std::clamp(-slope / curvature, -kMostSteps * step, kMostSteps * step);
   return VergenceEstimate{around + shift, 1.0 / std::sqrt(curvature)};
 }
 
@@ -60,9 +65,9 @@ std::optional<VergenceEstimate> EstimateVergence(const BundleProblem& problem, B
     const auto next = BottomOfParabola(problem, options, estimate.vergence, kStepPixels * pixel);
     if (!next) return std::nullopt;
     const double moved = next->vergence - std::exchange(estimate, *next).vergence;
-    if (std::abs(moved) < kConvergedPixels * pixel) break;
+    if (std::abs(moved) < kConvergedPixels * pixel) return estimate;
   }
-  return estimate;
+  return std::nullopt;
 }
 
 }  // namespace pangaea

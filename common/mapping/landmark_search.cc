@@ -53,7 +53,9 @@ bool ExplainsObservations(const Atlas& atlas, const Eigen::Vector3d& point_in_ma
     const Eigen::Vector3d point = observer.camera_from_map * point_in_map;
     if (point.z() < kMinDepth) return false;
     const Eigen::Vector3d error = ReprojectionError(observer.data->camera, point, MeasurementOf(keypoint));
-    return error.lpNorm<Eigen::Infinity>() <= gate * OctaveSigma(keypoint.octave);
+    const double disparity_error = error.z() / kDisparityPrecision;
+    const double farthest = std::max(error.head<2>().lpNorm<Eigen::Infinity>(), std::abs(disparity_error));
+    return farthest <= gate * OctaveSigma(keypoint.octave);
   });
 }
 

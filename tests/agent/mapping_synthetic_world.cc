@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/geometry/reprojection.h"
 #include "common/geometry/vergence.h"
 
 namespace pangaea::testing {
@@ -99,7 +100,9 @@ Keypoint SyntheticWorld::MakeKeypoint(const Eigen::Vector3d& point_in_camera, in
                     .octave = static_cast<std::uint8_t>(octave)};
   if (camera_.is_stereo()) {
     const double exact = pixel.x() - camera_.focal_x * camera_.baseline / point_in_camera.z();
-    const double u_right = exact + VergenceShift(camera_, pixel.x(), options_.vergence) + sigma * Normal();
+    // Off as far as the left column, and by the disparity's own error.
+    const double error = keypoint.u - pixel.x() - sigma / kDisparityPrecision * Normal();
+    const double u_right = exact + VergenceShift(camera_, pixel.x(), options_.vergence) + error;
     if (u_right >= 0.0) keypoint.u_right = QuantizePixel(u_right);
   }
   return keypoint;

@@ -32,9 +32,9 @@ Sighting See(Random& random, const Eigen::Vector3d& point_in_camera, const Rigid
   sighting.camera = stereo ? StereoCamera() : MonocularCamera();
   sighting.measurement = Measure(sighting.camera, point_in_camera);
   if (sighting.measurement.z() < 0.0) sighting.measurement.z() = -1.0;
-  sighting.measurement.x() += noise * Gauss(random);
-  sighting.measurement.y() += noise * Gauss(random);
-  if (IsStereo(sighting.measurement)) sighting.measurement.z() += noise * Gauss(random);
+  const bool has_right = IsStereo(sighting.measurement);
+  sighting.measurement = Disturbed(random, sighting.measurement, noise);
+  if (!has_right) sighting.measurement.z() = -1.0;
   sighting.inverse_sigma = noise > 0.0 ? 1.0 / noise : 1.0;
   // Lengths of the side are `unit` metres.
   sighting.camera_from_side = Rigid3d(camera_from_side.rotation(), camera_from_side.translation() / unit);

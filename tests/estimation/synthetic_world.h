@@ -54,6 +54,14 @@ inline Eigen::Vector3d Measure(const IdealCamera& camera, const Eigen::Vector3d&
   return {pixel.x(), pixel.y(), camera.is_stereo() ? pixel.x() - disparity : -1.0};
 }
 
+// What a camera measures where it should measure that: the right column is off as far as the left one, and by the
+// disparity's own, smaller error. `sigma`: pixels.
+inline Eigen::Vector3d Disturbed(Random& random, const Eigen::Vector3d& measurement, double sigma) {
+  const double u = sigma * Gauss(random);
+  const double v = sigma * Gauss(random);
+  return measurement + Eigen::Vector3d(u, v, u - sigma / kDisparityPrecision * Gauss(random));
+}
+
 // A random point in front of a camera, inside its image, in the camera frame.
 inline Eigen::Vector3d VisiblePoint(Random& random, const IdealCamera& camera, double nearest, double farthest) {
   const double u = Uniform(random, 0.0, camera.width);
@@ -90,7 +98,7 @@ inline PoseWorld MakePoseWorld(std::uint64_t seed, const PoseWorldOptions& optio
     observation.measurement = Measure(world.camera, point);
     observation.inverse_sigma = 1.0 / (1.0 + 0.2 * static_cast<double>(random() % 4));
     const double sigma = options.noise / observation.inverse_sigma;
-    for (int k = 0; k < 3; ++k) observation.measurement(k) += sigma * Gauss(random);
+    observation.measurement = Disturbed(random, observation.measurement, sigma);
     if (!options.stereo || i % 3 == 0) observation.measurement.z() = -1.0;
     const bool outlier = Uniform(random, 0.0, 1.0) < options.outlier_ratio;
     if (outlier) {
@@ -149,7 +157,7 @@ inline BundleWorld MakeBundleWorld(std::uint64_t seed, const BundleWorldOptions&
     if (views.size() < options.min_views) continue;
     truth.points.push_back({point_in_map, false});
     for (BundleObservation& observation : views) {
-      for (int k = 0; k < 3; ++k) observation.measurement(k) += options.noise * Gauss(random);
+      observation.measurement = Disturbed(random, observation.measurement, options.noise);
       const bool no_right = !options.stereo || random() % 3 == 0 || observation.measurement.z() < 0.0;
       if (no_right) observation.measurement.z() = -1.0;
       const bool outlier = Uniform(random, 0.0, 1.0) < options.outlier_ratio;

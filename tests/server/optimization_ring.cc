@@ -85,8 +85,7 @@ class RingMaker {
   }
 
   std::uint32_t See(std::uint32_t k, const Eigen::Vector3d& in_camera) {
-    Eigen::Vector3d measured = Measure(data_[k]->camera, in_camera);
-    for (int i = 0; i < 3; ++i) measured[i] += options_.noise * Gauss(random_);
+    Eigen::Vector3d measured = Disturbed(random_, Measure(data_[k]->camera, in_camera), options_.noise);
     if (Uniform(random_, 0.0, 1.0) < options_.outliers) measured.y() = Uniform(random_, 0.0, 480.0);
     Keypoint keypoint;
     keypoint.u = QuantizePixel(std::clamp(measured.x(), 0.0, 751.0));
