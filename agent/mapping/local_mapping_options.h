@@ -98,7 +98,9 @@ struct KeyframeCullingOptions {
 };
 
 struct LocalMappingOptions {
-  MeasurementNoiseOptions noise;
+  // Keypoints of tracked flights, rendered and real, lie 0.5 octave pixels (RMS) from their landmarks. At one pixel, what
+  // is taken for another corner 2 pixels away passes as noise (docs/decisions/0025-noise-of-a-map.md).
+  MeasurementNoiseOptions noise = {.pixel_sigma = 0.6};
   NeighbourhoodOptions neighbourhood;
   LandmarkSearchOptions search;
   std::size_t fused_keyframes = 20;  // covisible keyframes in which the new keyframe's landmarks are looked for (count)

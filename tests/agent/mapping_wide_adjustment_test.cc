@@ -74,18 +74,20 @@ TEST(WideAdjustment, AWayThatDoesNotComeBackIsNotAdjustedAsAWhole) {
 TEST(WideAdjustment, BeforeAMapIsClosedAllOfItIsAdjustedOnceMore) {
   double squares = 0.0;
   double squares_before = 0.0;
+  LocalMappingOptions late = SmallWindows();
+  late.wide_adjustment.max_strain = 0.99;  // so that nothing calls for one on the way
   for (std::uint64_t seed = 1; seed <= kWorlds; ++seed) {
-    Walk walk(OneCamera(seed), SmallWindows());
+    Walk walk(OneCamera(seed), late);
     walk.WalkCircle(0, 66, 60);
     squares_before += std::pow(walk.AlignedError(), 2);
-    const int on_the_way = walk.stages.begun["mapping.wide_adjustment"];
+    ASSERT_EQ(walk.stages.begun["mapping.wide_adjustment"], 0);
     walk.mapper.AdjustBeforeClosing(walk.mapper.atlas().Maps().front(), walk.stages);
     squares += std::pow(walk.AlignedError(), 2);
-    EXPECT_EQ(walk.stages.begun["mapping.wide_adjustment"], on_the_way + 1);
+    EXPECT_EQ(walk.stages.begun["mapping.wide_adjustment"], 1);
     EXPECT_THAT(CheckConsistency(walk.mapper.atlas()), IsEmpty());
   }
   // What is left is by noise.
-  EXPECT_LT(std::sqrt(squares), 0.93 * std::sqrt(squares_before));
+  EXPECT_LT(std::sqrt(squares), 0.7 * std::sqrt(squares_before));
 }
 
 TEST(WideAdjustment, BeforeAMapIsClosedNothingChangesWhereItIsAServersOrNeverWantedOrInAHurry) {
