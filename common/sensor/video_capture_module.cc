@@ -30,6 +30,13 @@ class OpenCvCapture final : public VideoCapture {
   cv::VideoCapture capture_;
 };
 
+// OpenCV would also ask GPhoto2 for photo cameras on USB, which takes long and leaks what it finds.
+#if defined(__linux__)
+constexpr int kCameras = cv::CAP_V4L2;
+#else
+constexpr int kCameras = cv::CAP_ANY;
+#endif
+
 template <typename Open>
 Result<std::unique_ptr<VideoCapture>> OpenWith(const Open& open) {
   try {
@@ -47,7 +54,7 @@ Result<std::unique_ptr<VideoCapture>> OpenFile(const std::string& path) {
 
 Result<std::unique_ptr<VideoCapture>> OpenCamera(int number, cv::Size wanted) {
   return OpenWith([&](cv::VideoCapture& capture) {
-    if (!capture.open(number)) return false;
+    if (!capture.open(number, kCameras)) return false;
     capture.set(cv::CAP_PROP_FRAME_WIDTH, wanted.width);
     capture.set(cv::CAP_PROP_FRAME_HEIGHT, wanted.height);
     return true;
