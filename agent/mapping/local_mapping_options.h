@@ -82,8 +82,8 @@ struct VergenceOptions {
   std::uint32_t first_keyframes = 10;
   std::size_t window_keyframes = 20;  // around the newest (count)
   // A correction is made of shifts in the image's middle of at least so many pixels: exactly calibrated flights show up
-  // to 0.06, from matching. 100: never.
-  double min_shift = 0.2;
+  // to 0.05, from matching. 100: never.
+  double min_shift = 0.1;
   double min_sigmas = 3.0;  // … and standard deviations
   int iterations = 15;      // of each adjustment; most end earlier
   double cost_tolerance = 1e-5;
