@@ -30,10 +30,13 @@ class OpenCvCapture final : public VideoCapture {
   cv::VideoCapture capture_;
 };
 
-// OpenCV would also ask GPhoto2 for photo cameras on USB, which takes long and leaks what it finds.
+// Left to choose, OpenCV also asks GPhoto2 for photo cameras on USB, for files as well: it takes long and leaks what it
+// finds.
 #if defined(__linux__)
+constexpr int kFiles = cv::CAP_FFMPEG;
 constexpr int kCameras = cv::CAP_V4L2;
 #else
+constexpr int kFiles = cv::CAP_ANY;
 constexpr int kCameras = cv::CAP_ANY;
 #endif
 
@@ -49,7 +52,7 @@ Result<std::unique_ptr<VideoCapture>> OpenWith(const Open& open) {
 }
 
 Result<std::unique_ptr<VideoCapture>> OpenFile(const std::string& path) {
-  return OpenWith([&](cv::VideoCapture& capture) { return capture.open(path); });
+  return OpenWith([&](cv::VideoCapture& capture) { return capture.open(path, kFiles); });
 }
 
 Result<std::unique_ptr<VideoCapture>> OpenCamera(int number, cv::Size wanted) {
