@@ -98,8 +98,8 @@ struct KeyframeCullingOptions {
 };
 
 struct LocalMappingOptions {
-  // Keypoints of tracked flights, rendered and real, lie 0.5 octave pixels (RMS) from their landmarks. At one pixel, what
-  // is taken for another corner 2 pixels away passes as noise (docs/decisions/0025-noise-of-a-map.md).
+  // Keypoints of rendered flights lie 0.5 to 0.6 octave pixels (RMS) from their landmarks. At one pixel, another corner
+  // 2 pixels away passes as noise (docs/decisions/0025-noise-of-a-map.md).
   MeasurementNoiseOptions noise = {.pixel_sigma = 0.6};
   NeighbourhoodOptions neighbourhood;
   LandmarkSearchOptions search;
