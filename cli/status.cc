@@ -61,16 +61,21 @@ Status Show(const AtlasStatus& status, const StatusOptions& options) {
   return {};
 }
 
-// Waits for a status of a server that has nothing more to recognise, weld or optimise, or until the time is over.
-Result<AtlasStatus> WaitUntilIdle(StatusInbox& inbox, AtlasStatus status, const StatusOptions& options) {
+// Waits for a status of a server that has nothing more to recognise, weld or optimise, or until the time is over. The
+// first one does not count: it is what the topic retained, and may be older than what the user waits for the end of.
+Result<AtlasStatus> WaitUntilIdle(StatusInbox& inbox, AtlasStatus first, const StatusOptions& options) {
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + std::chrono::duration<double>(options.until_idle_seconds);
+  AtlasStatus status = std::move(first);
   while (true) {
+    const std::chrono::duration<double> left = end - Clock::now();
+    if (left.count() <= 0.0) return status;
+    auto newer = inbox.Wait(left);
+    if (!newer) continue;
+    status = std::move(*newer);
     const auto under_way = IsUnderWay(status);
     if (!under_way) return tl::make_unexpected(under_way.error());
-    const std::chrono::duration<double> left = end - Clock::now();
-    if (!*under_way || left.count() <= 0.0) return status;
-    if (auto newer = inbox.Wait(left)) status = std::move(*newer);
+    if (!*under_way) return status;
   }
 }
 
@@ -82,9 +87,12 @@ Status ShowWhatComes(StatusInbox& inbox, const StatusOptions& options) {
                                                std::to_string(options.domain.id) + " answers within " +
                                                std::to_string(options.timeout_seconds) + " s");
     }
-    const auto settled = WaitUntilIdle(inbox, *status, options);
-    if (!settled) return tl::make_unexpected(settled.error());
-    if (auto shown = Show(*settled, options); !shown) return shown;
+    if (options.until_idle_seconds > 0.0) {
+      auto settled = WaitUntilIdle(inbox, std::move(*status), options);
+      if (!settled) return tl::make_unexpected(settled.error());
+      status = std::move(*settled);
+    }
+    if (auto shown = Show(*status, options); !shown) return shown;
   } while (options.watch);
   return {};
 }

@@ -57,14 +57,10 @@ std::vector<LandmarkId> ChangedLandmarks(const Atlas& atlas, const KnownState& k
 
 std::vector<LandmarkId> FormerLandmarks(const Atlas& atlas, const KnownState& known, SessionId session) {
   std::vector<LandmarkId> former;
-  atlas.ForEachFormerLandmark([&](LandmarkId id, LandmarkId into) {
-    if (known.atlas == nullptr) {
-      if (id.session == session && into.valid()) former.push_back(id);
-      return;
-    }
-    const bool lived = known.atlas->FindLandmark(id) != nullptr;
-    const bool in_vain = id.session == session && !known.atlas->Knows(id);
-    if (lived || in_vain) former.push_back(id);
+  atlas.ForEachFormerLandmark([&](LandmarkId id, LandmarkId) {
+    const bool lived = known.atlas != nullptr && known.atlas->FindLandmark(id) != nullptr;
+    const bool is_news = known.atlas == nullptr || !known.atlas->Knows(id);
+    if (lived || (is_news && id.session == session)) former.push_back(id);
   });
   return former;
 }
@@ -73,8 +69,8 @@ std::vector<KeyframeId> GoneKeyframes(const Atlas& atlas, const KnownState& know
                                       const std::vector<KeyframeId>& held) {
   std::vector<KeyframeId> gone;
   atlas.ForEachFormerKeyframe([&](KeyframeId id, const CulledKeyframe*) {
-    const bool lived = known.atlas != nullptr && known.atlas->FindKeyframe(id) != nullptr && id.session == session;
-    if (lived || std::ranges::binary_search(held, id)) gone.push_back(id);
+    const bool is_news = known.atlas == nullptr || known.atlas->FindKeyframe(id) != nullptr;
+    if ((is_news && id.session == session) || std::ranges::binary_search(held, id)) gone.push_back(id);
   });
   return gone;
 }

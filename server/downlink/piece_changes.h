@@ -21,7 +21,8 @@ std::vector<LandmarkId> ChangedLandmarks(const Atlas& atlas, const KnownState& k
                                          const std::vector<KeyframeId>& keyframes, const std::set<KeyframeId>& fresh);
 
 // Landmarks of the session (and of any session, as far as the receiver knew them) that live no more and that it may
-// hold: those that lived in what it knows, those that it added in vain since; nothing known: those that were fused.
+// hold: those that lived in what it knows, those that it added in vain since. Nothing known: all of the session, since
+// who removed them, it or the server, is not remembered.
 std::vector<LandmarkId> FormerLandmarks(const Atlas& atlas, const KnownState& known, SessionId session);
 
 // Keyframes of the same kind, and `held` ones that are gone.

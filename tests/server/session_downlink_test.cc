@@ -255,6 +255,32 @@ TEST(SessionDownlink, OfAPlaceThatTheAgentHoldsNothingIsSaidAgain) {
   EXPECT_FALSE(downlink.Next(View(world, 10, 0)));
 }
 
+// What the server took away before it told the agent anything is not in what the agent was told.
+TEST(SessionDownlink, TheFirstCorrectionTellsOfAllThatIsGone) {
+  SmallWorld world = TwoSessions();
+  SessionDownlink downlink(kAnna, {.wanted = 0});
+  downlink.Take(Interest(kAnna, 0));
+  world.Do(MoveKeyframes{{{K(2), MakePose(0.1, 1, 0, 0)}}, 10});
+  world.Do(RemoveLandmark{L(1)});
+  world.Do(RemoveKeyframe{K(3)});
+  world.Do(RemoveLandmark{L(1, kBert)});
+  const auto correction = downlink.Next(View(world, 10, 10));
+  ASSERT_TRUE(correction);
+  ASSERT_EQ(correction->pieces.size(), 1u);
+  const MapPiece& piece = correction->pieces[0];
+  EXPECT_TRUE(std::ranges::binary_search(piece.removed, L(1)));
+  EXPECT_FALSE(std::ranges::binary_search(piece.removed, L(1, kBert))) << "it never heard of it";
+  ASSERT_EQ(piece.culled.size(), 1u);
+  EXPECT_EQ(piece.culled[0].id, K(3));
+  downlink.Take(Interest(kAnna, First(10)));
+  world.Do(MoveKeyframes{{{K(2), MakePose(0.2, 1, 0, 0)}}, 11});
+  const auto second = downlink.Next(View(world, 11, 11));
+  ASSERT_TRUE(second);
+  ASSERT_EQ(second->pieces.size(), 1u);
+  EXPECT_TRUE(second->pieces[0].removed.empty()) << "it knows";
+  EXPECT_TRUE(second->pieces[0].culled.empty());
+}
+
 TEST(SessionDownlink, AfterARestartOfTheServerTheAgentIsToldWhatIsNewerThanWhatItApplied) {
   SmallWorld world = TwoSessions();
   Merge(world, 10);
