@@ -98,7 +98,8 @@ class ScaleFreeOutcome {
   BundleResult& result_;
 };
 
-// The adjusted poses; of keyframes that see too little, their parents'. In the order of the tree.
+// The adjusted poses; of keyframes that see too little, their parents'. In the order of the tree. The root, which holds
+// the map in place, as well: from now on the server alone moves it like the others, and agents are told what it sees.
 std::vector<CorrectedKeyframe> Keyframes(const Atlas& atlas, MapId map, const WindowBundle& bundle,
                                          const BundleResult& result, std::span<const double> scales,
                                          std::size_t min_observations) {
@@ -119,7 +120,7 @@ std::vector<CorrectedKeyframe> Keyframes(const Atlas& atlas, MapId map, const Wi
       after.scale = parent.scale;
     }
     corrected[id] = after;
-    if (before.parent.valid()) keyframes.push_back(after);
+    keyframes.push_back(after);
   }
   return keyframes;
 }

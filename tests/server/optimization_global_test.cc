@@ -54,6 +54,7 @@ TEST(GlobalBundleAdjustment, TheRootStaysBitForBit) {
   const KeyframeId root = world.ring.keyframes.front();
   EXPECT_EQ(world.adjusted.FindKeyframe(root)->camera_from_map.translation(),
             world.disturbed.FindKeyframe(root)->camera_from_map.translation());
+  EXPECT_NE(world.adjusted.FindKeyframe(root)->corrected_at, 0U) << "and is the server's from now on";
 }
 
 TEST(GlobalBundleAdjustment, RemovesWhatContradictsTheMap) {
