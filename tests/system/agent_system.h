@@ -52,9 +52,13 @@ class AgentSystem : public ::testing::Test {
   }
 
   std::unique_ptr<Program> Start(Words words) const { return std::make_unique<Program>(words, folder_.path()); }
-  std::unique_ptr<Program> StartServer() const {
-    // What agents and server hold is compared here: the server must not change it.
-    return Start({PANGAEA_PROGRAMS "/pangaea-server", "--site", kSite, "--store", "atlas.db", "--no-recognition"});
+  // That only keeps what agents send: what they hold is compared with it.
+  std::unique_ptr<Program> StartServer() const { return StartFullServer({"--no-recognition"}); }
+  // That recognises, welds and adjusts as well.
+  std::unique_ptr<Program> StartFullServer(const Words& more = {}) const {
+    Words words{PANGAEA_PROGRAMS "/pangaea-server", "--site", kSite, "--store", "atlas.db"};
+    words.insert(words.end(), more.begin(), more.end());
+    return Start(words);
   }
   // An agent called `name` with all its files: name.tum, name.live.tum, name.json.
   std::unique_ptr<Program> StartAgent(const std::string& name, int session, const Words& more = {}) const {

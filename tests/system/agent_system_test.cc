@@ -21,6 +21,33 @@ TEST_F(AgentSystem, AgentAndServerEndWithEqualDigests) {
   EXPECT_EQ(Report("a1").at("frames"), kFrames);
 }
 
+TEST_F(AgentSystem, WhatTheServerAdjustsTheAgentHoldsInTheEnd) {
+  const auto server = StartFullServer();
+  const auto agent = StartAgent("a1", 1);
+  ASSERT_EQ(agent->Wait(), 0) << agent->output();
+  server->Signal(SIGTERM);
+  EXPECT_EQ(server->Wait(), 0) << server->output();
+  EXPECT_GE(Report("a1").at("corrections"), 1);
+  ExpectServerHasAllOf("a1");
+}
+
+TEST_F(AgentSystem, WhatTheServerAdjustsTheAgentHoldsInTheEndAlsoWhenItWasKilledAndDoesNotKnowWhatItSaid) {
+  const auto seed = std::random_device{}();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  StatusWatch status(kSite);
+  auto server = StartFullServer();
+  const auto agent = StartAgent("a1", 1);
+  (void)status.WaitForAcknowledged(1, 3 + std::mt19937(seed)() % 6);
+  server->Signal(SIGKILL);
+  EXPECT_EQ(server->Wait(), 128 + SIGKILL);
+  server = StartFullServer();
+  EXPECT_EQ(agent->Wait(), 0) << agent->output();
+  server->Signal(SIGTERM);
+  EXPECT_EQ(server->Wait(), 0) << server->output();
+  EXPECT_GE(Report("a1").at("corrections"), 1);
+  ExpectServerHasAllOf("a1");
+}
+
 TEST_F(AgentSystem, ServerUnreachableFromTheStartTheAgentMapsOnAndLeavesItsEditsInTheSpillFile) {
   testing::WriteText(File("agent.yaml"), "uplink: {patience_s: 0.1}\n");
   const auto agent = StartAgent("a1", 1, {"--rate", "max"});
