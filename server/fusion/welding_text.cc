@@ -27,8 +27,13 @@ const char* Words(WeldingRefusalReason reason) {
 std::string Figures(const WeldingEvidence& evidence) {
   std::ostringstream text;
   text << std::fixed << std::setprecision(2);
-  text << evidence.match.inliers << " matches at " << evidence.match.rms_pixels << " sigma, "
-       << evidence.common_landmarks << " common landmarks, " << evidence.fused << " fused, " << evidence.added
+  if (const auto& compared = evidence.match.compared) {
+    text << "maps compared: " << evidence.match.inliers << " landmarks in " << compared->cells << " places at "
+         << compared->rms << " m, " << 100.0 * compared->surface_share << " % of the surfaces agree, ";
+  } else {
+    text << evidence.match.inliers << " matches at " << evidence.match.rms_pixels << " sigma, ";
+  }
+  text << evidence.common_landmarks << " common landmarks, " << evidence.fused << " fused, " << evidence.added
        << " observations added, " << evidence.removed << " removed, inliers " << 100.0 * evidence.common.inlier_share()
        << " %, cost " << evidence.before.mean_cost() << " to " << evidence.after.mean_cost() << ", rms "
        << evidence.before.rms_inliers() << " to " << evidence.after.rms_inliers() << " sigma";

@@ -70,8 +70,10 @@ std::shared_ptr<AtlasWork::Team> AtlasWork::MakeTeam() {
   const RecognitionThread::Links found{[raw](PlaceMatch match) { raw->welding->Add(std::move(match)); }, output_.answer,
                                        output_.report};
   team->recognition = std::make_unique<RecognitionThread>(
-      service_, vocabulary_, RecognitionThread::Options{options_.place, options_.lookup, options_.frames}, found,
-      ledger_);
+      service_, vocabulary_,
+      RecognitionThread::Options{options_.place, options_.lookup, options_.frames, options_.compare_maps,
+                                 options_.comparison, options_.comparisons},
+      found, ledger_);
   return team;
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "server/map_comparison/map_comparison.h"
 #include "server/runtime/stopwatch.h"
 #include "server/runtime/thread_priority.h"
 #include "server/runtime/unix_clock.h"
@@ -23,10 +24,13 @@ RecognitionThread::RecognitionThread(const AtlasService& service, std::shared_pt
     : service_(service),
       frames_(options.frames),
       place_(options.place),
+      compares_(options.compare_maps),
+      comparison_(options.comparison),
       links_(std::move(links)),
       ledger_(ledger),
       recognizer_(std::move(vocabulary), options.place),
-      agenda_(options.lookup) {}
+      agenda_(options.lookup),
+      comparisons_(options.comparisons) {}
 
 void RecognitionThread::Start() {
   thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
@@ -52,7 +56,7 @@ void RecognitionThread::Run(const std::stop_token& stop) {
     bool more = true;
     while (!stop.stop_requested() && more) {
       const bool answered = AnswerOne();
-      more = LookUpOne() || answered;
+      more = LookUpOne() || CompareTwo() || answered;
     }
   }
 }
@@ -64,6 +68,7 @@ void RecognitionThread::IndexRecovered(const std::stop_token& stop) {
   state->ingest.atlas.ForEachKeyframe([&](const Keyframe& keyframe) {
     if (!stop.stop_requested()) recognizer_.Add(keyframe);
   });
+  comparisons_.Recover(state->ingest.atlas);
 }
 
 bool RecognitionThread::LookUpOne() {
@@ -71,10 +76,7 @@ bool RecognitionThread::LookUpOne() {
   const Atlas& atlas = state->ingest.atlas;
   TakeIn(atlas);
   const auto keyframe = agenda_.Next();
-  ledger_.Write([&](WorkReport& report) {
-    report.lookups_waiting = agenda_.waiting();
-    if (!keyframe) report.looked_up_version = seen_version_;
-  });
+  ledger_.Write([&](WorkReport& report) { report.lookups_waiting = agenda_.waiting(); });
   if (!keyframe) return false;
   const Stopwatch watch;
   NoStageRecorder stages;
@@ -89,6 +91,23 @@ bool RecognitionThread::LookUpOne() {
   });
   if (recognition.report.outcome == PlaceOutcome::kFewLandmarks) agenda_.Defer(atlas, *keyframe);
   for (PlaceMatch& match : recognition.matches) links_.found(std::move(match));
+  return true;
+}
+
+bool RecognitionThread::CompareTwo() {
+  const auto state = service_.State();
+  const Atlas& atlas = state->ingest.atlas;
+  const auto maps = comparisons_.Next(atlas);
+  if (!maps) {
+    ledger_.Write([&](WorkReport& report) { report.looked_up_version = seen_version_; });
+    return false;
+  }
+  const Stopwatch watch;
+  MapComparison comparison = CompareMaps(atlas, maps->first, maps->second, comparison_);
+  spdlog::log(comparison.match ? spdlog::level::info : spdlog::level::debug, "maps {} and {} compared in {:.0f} ms: {}",
+              ToString(maps->first), ToString(maps->second), watch.milliseconds(), Describe(comparison));
+  ledger_.Keep("comparison", watch);
+  if (comparison.match) links_.found(std::move(*comparison.match));
   return true;
 }
 
@@ -166,6 +185,7 @@ void RecognitionThread::TakeIn(const Atlas& atlas) {
   if (atlas.version() == seen_version_) return;
   seen_version_ = atlas.version();
   for (const KeyframeId id : agenda_.Update(atlas)) recognizer_.Remove(id);
+  if (compares_) comparisons_.Update(atlas);
 }
 
 }  // namespace pangaea

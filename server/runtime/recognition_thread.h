@@ -11,8 +11,10 @@
 #include "common/place/vocabulary_tree.h"
 #include "common/wire/atlas_event.h"
 #include "common/wire/relocalization.h"
+#include "server/atlas/comparison_agenda.h"
 #include "server/atlas/lookup_agenda.h"
 #include "server/atlas/relocalization_agenda.h"
+#include "server/map_comparison/map_comparison_options.h"
 #include "server/place_recognition/frame_lookup.h"
 #include "server/place_recognition/place_recognizer.h"
 #include "server/runtime/atlas_service.h"
@@ -23,13 +25,17 @@ namespace pangaea {
 
 // Looks up each keyframe of the atlas once, whenever it comes, and hands on what it recognises. Its queue is the agenda
 // over the newest published atlas: however many keyframes come at once, ingest never waits for it. Between two
-// keyframes it answers one lost agent, so that neither waits for long.
+// keyframes it answers one lost agent, so that neither waits for long. When all were looked up, it compares maps that
+// none of them joined.
 class RecognitionThread {
  public:
   struct Options {
     PlaceRecognitionOptions place;
     LookupOptions lookup;
     FrameLookupOptions frames;
+    bool compare_maps = true;
+    MapComparisonOptions comparison;
+    ComparisonAgendaOptions comparisons;
   };
   // Called on its thread.
   struct Links {
@@ -57,6 +63,8 @@ class RecognitionThread {
   void IndexRecovered(const std::stop_token& stop);
   // False when there is nothing to look up.
   bool LookUpOne();
+  // False when all maps were compared.
+  bool CompareTwo();
   // False when nobody asks.
   bool AnswerOne() EXCLUDES(mutex_);
   void Refuse(const PlaceQuestion& question, const Error& error);
@@ -70,6 +78,8 @@ class RecognitionThread {
   const AtlasService& service_;
   const FrameLookupOptions frames_;
   const PlaceRecognitionOptions place_;
+  const bool compares_;
+  const MapComparisonOptions comparison_;
   const Links links_;
   WorkLedger& ledger_;
   Bell bell_;
@@ -78,6 +88,7 @@ class RecognitionThread {
   // Of the thread.
   PlaceRecognizer recognizer_;
   LookupAgenda agenda_;
+  ComparisonAgenda comparisons_;
   std::uint64_t seen_version_ = 0;
   std::map<SessionId, AtlasEventKind> reported_;  // the latest of each session
   std::jthread thread_;

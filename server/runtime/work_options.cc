@@ -8,6 +8,8 @@ Status WorkOptions::Check() const {
   if (auto status = lookup.Check(); !status) return status;
   if (auto status = place.Check(); !status) return status;
   if (auto status = frames.Check(); !status) return status;
+  if (auto status = comparison.Check(); !status) return status;
+  if (auto status = comparisons.Check(); !status) return status;
   if (auto status = agenda.Check(); !status) return status;
   if (auto status = fusion.Check(); !status) return status;
   if (auto status = pose_graph.Check(); !status) return status;
@@ -27,6 +29,8 @@ void ReadWork(ConfigReader& reader, WorkOptions& options) {
   reader.Read("recognition.places", &options.place.candidates.places, Range{1, 100});
   reader.Read("recognition.min_inliers", &options.place.geometry.min_inliers, Range{10, 1000});
   reader.Read("recognition.agreeing_keyframes", &options.place.agreement.keyframes, Range{1, 10});
+  reader.Read("recognition.compare_maps", &options.compare_maps);
+  reader.Read("recognition.min_common_surface", &options.comparison.min_surface_share, Range{0.1, 1.0});
   reader.Read("relocalization.candidates", &options.frames.query.candidates, Range{1, 100});
   reader.Read("relocalization.min_inliers", &options.frames.min_inliers, Range{6, 1000});
   reader.Read("fusion.queue_matches", &options.agenda.capacity, Range{1, 10'000});

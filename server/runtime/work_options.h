@@ -4,6 +4,7 @@
 
 #include "common/base/config.h"
 #include "common/base/result.h"
+#include "server/atlas/comparison_agenda.h"
 #include "server/atlas/lookup_agenda.h"
 #include "server/atlas/map_economy.h"
 #include "server/atlas/map_optimization.h"
@@ -11,6 +12,7 @@
 #include "server/atlas/welding_agenda.h"
 #include "server/fusion/fusion_options.h"
 #include "server/fusion/redundancy.h"
+#include "server/map_comparison/map_comparison_options.h"
 #include "server/optimization/pose_graph.h"
 #include "server/place_recognition/frame_lookup.h"
 #include "server/place_recognition/place_recognition_options.h"
@@ -25,6 +27,9 @@ struct WorkOptions {
   LookupOptions lookup{};
   PlaceRecognitionOptions place{};
   FrameLookupOptions frames{};
+  bool compare_maps = true;  // as wholes, those that no keyframe joins
+  MapComparisonOptions comparison{};
+  ComparisonAgendaOptions comparisons{};
   WeldingAgendaOptions agenda{};
   FusionOptions fusion{};
   PoseGraphOptions pose_graph{};

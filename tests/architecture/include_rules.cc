@@ -49,7 +49,7 @@ constexpr std::array kCore = {
     "common/geometry",          "common/features", "common/map",          "common/place", "common/estimation",
     "common/mapping",           "agent/tracking",  "agent/mapping",       "agent/uplink", "server/ingest",
     "server/place_recognition", "server/fusion",   "server/optimization", "server/atlas", "server/downlink",
-    "agent/absorption"};
+    "agent/absorption",         "server/map_comparison"};
 
 // Generated and library types of a transport, by the folder their headers come from → who may see them.
 const Allowed& AllowedTypes() {
