@@ -10,7 +10,6 @@ namespace pangaea {
 Status ComparisonAgendaOptions::Check() const {
   return RangeCheck("map comparison")
       .In("min_keyframes", min_keyframes, 1, RangeCheck::kUnlimited)
-      .In("growth", growth, 1.01, 1000.0)
       .status();
 }
 
@@ -18,28 +17,22 @@ bool ComparisonAgenda::IsComparable(const Atlas& atlas, MapId map) const {
   return atlas.FindMap(map)->keyframes >= options_.min_keyframes && IsMetric(atlas, map);
 }
 
-bool ComparisonAgenda::IsDue(const MapInfo& map) const {
-  const auto before = compared_.find(map.id);
-  if (before == compared_.end()) return true;
-  const auto [keyframes, was_closed] = before->second;
-  if (static_cast<double>(map.keyframes) >= options_.growth * static_cast<double>(keyframes)) return true;
-  return map.closed && !was_closed && map.keyframes > keyframes;
-}
-
 void ComparisonAgenda::Recover(const Atlas& atlas) {
   for (const MapId id : atlas.Maps()) {
-    const MapInfo& map = *atlas.FindMap(id);
-    if (IsComparable(atlas, id)) compared_[id] = {map.keyframes, map.closed};
+    if (IsComparable(atlas, id)) compared_[id] = atlas.FindMap(id)->keyframes;
   }
 }
 
-void ComparisonAgenda::Update(const Atlas& atlas) {
+void ComparisonAgenda::Update(const Atlas& atlas, const std::function<bool(MapId)>& is_left) {
   std::erase_if(compared_, [&](const auto& entry) { return atlas.FindMap(entry.first) == nullptr; });
   const std::vector<MapId> maps = atlas.Maps();
   for (const MapId id : maps) {
     const MapInfo& map = *atlas.FindMap(id);
-    if (!IsComparable(atlas, id) || !IsDue(map)) continue;
-    compared_[id] = {map.keyframes, map.closed};
+    const bool is_over = map.closed || is_left(id);
+    if (!is_over || !IsComparable(atlas, id)) continue;
+    const auto [before, is_new] = compared_.try_emplace(id, map.keyframes);
+    if (!is_new && map.keyframes <= before->second) continue;
+    before->second = map.keyframes;
     for (const MapId other : maps) {
       if (other == id || !IsComparable(atlas, other)) continue;
       const auto waits = [&](const std::pair<MapId, MapId>& pair) {

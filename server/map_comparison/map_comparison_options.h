@@ -33,7 +33,7 @@ struct MapComparisonOptions {
   double min_lead = 2.0;
   // This share of the landmarks of the smaller map must lie in cells where the other has landmarks, too: it is the same
   // room as a whole. Rooms that overlap a little are joined where a keyframe sees it.
-  double min_overlap = 0.6;
+  double min_overlap = 0.8;
   // Of these, this share must have one of the other's landmarks so near (scene depths), whatever it looks like: walls
   // stay where they are.
   double min_surface_share = 0.4;

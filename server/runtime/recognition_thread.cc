@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "server/map_comparison/map_comparison.h"
@@ -16,6 +17,16 @@ namespace {
 
 // Behind ingest and whatever agents run on the same machine, before bundle adjustment.
 constexpr int kNice = 5;
+
+// Those in which a living session has a part.
+std::set<MapId> MapsInWork(const IngestState& state) {
+  std::set<MapId> maps;
+  for (const auto& [id, session] : state.sessions) {
+    if (!session.alive()) continue;
+    state.atlas.ForEachKeyframe(id, [&](const Keyframe& keyframe) { maps.insert(keyframe.map); });
+  }
+  return maps;
+}
 
 }  // namespace
 
@@ -74,7 +85,7 @@ void RecognitionThread::IndexRecovered(const std::stop_token& stop) {
 bool RecognitionThread::LookUpOne() {
   const auto state = service_.State();
   const Atlas& atlas = state->ingest.atlas;
-  TakeIn(atlas);
+  TakeIn(state->ingest);
   const auto keyframe = agenda_.Next();
   ledger_.Write([&](WorkReport& report) { report.lookups_waiting = agenda_.waiting(); });
   if (!keyframe) return false;
@@ -99,7 +110,10 @@ bool RecognitionThread::CompareTwo() {
   const Atlas& atlas = state->ingest.atlas;
   const auto maps = comparisons_.Next(atlas);
   if (!maps) {
-    ledger_.Write([&](WorkReport& report) { report.looked_up_version = seen_version_; });
+    ledger_.Write([&](WorkReport& report) {
+      report.looked_up_version = seen_version_;
+      report.looked_up_living = seen_living_;
+    });
     return false;
   }
   const Stopwatch watch;
@@ -123,7 +137,7 @@ bool RecognitionThread::AnswerOne() {
     Refuse(*question, status.error());
     return true;
   }
-  TakeIn(state->ingest.atlas);
+  TakeIn(state->ingest);
   const Stopwatch watch;
   const FrameLookup lookup = LookUpFrame(state->ingest.atlas, recognizer_.index(), recognizer_.vocabulary(),
                                          *question->request.frame, frames_, place_);
@@ -181,11 +195,15 @@ void RecognitionThread::ForgetEnded() {
   });
 }
 
-void RecognitionThread::TakeIn(const Atlas& atlas) {
-  if (atlas.version() == seen_version_) return;
-  seen_version_ = atlas.version();
-  for (const KeyframeId id : agenda_.Update(atlas)) recognizer_.Remove(id);
-  if (compares_) comparisons_.Update(atlas);
+void RecognitionThread::TakeIn(const IngestState& state) {
+  const std::size_t living = state.living();
+  if (state.atlas.version() == seen_version_ && living == seen_living_) return;
+  seen_version_ = state.atlas.version();
+  seen_living_ = living;
+  for (const KeyframeId id : agenda_.Update(state.atlas)) recognizer_.Remove(id);
+  if (!compares_) return;
+  const std::set<MapId> in_work = MapsInWork(state);
+  comparisons_.Update(state.atlas, [&](MapId map) { return !in_work.contains(map); });
 }
 
 }  // namespace pangaea

@@ -73,7 +73,7 @@ class RecognitionThread {
   void ReportFirst(AtlasEventKind kind, SessionId session, const std::string& text);
   // Of what was reported, sessions that are over or never were.
   void ForgetEnded();
-  void TakeIn(const Atlas& atlas);
+  void TakeIn(const IngestState& state);
 
   const AtlasService& service_;
   const FrameLookupOptions frames_;
@@ -90,6 +90,7 @@ class RecognitionThread {
   LookupAgenda agenda_;
   ComparisonAgenda comparisons_;
   std::uint64_t seen_version_ = 0;
+  std::size_t seen_living_ = 0;
   std::map<SessionId, AtlasEventKind> reported_;  // the latest of each session
   std::jthread thread_;
 };

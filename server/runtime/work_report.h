@@ -33,7 +33,8 @@ struct WorkReport {
   static constexpr std::size_t kWelds = 16;
   static constexpr std::uint64_t kNever = ~std::uint64_t{0};  // no version of an atlas
 
-  std::uint64_t looked_up_version = 0;  // of the atlas: all of its keyframes were looked up
+  std::uint64_t looked_up_version = 0;  // of the atlas: all of its keyframes were looked up, its maps compared
+  std::size_t looked_up_living = 0;     // sessions that lived then: a map is compared when nobody works on it
   std::uint64_t planned_version = 0;    // of the atlas: its maps were judged whether they are due for optimisation
   std::size_t planned_living = 0;       // sessions that lived then: what they work on is not made smaller
   bool economizing = false;
@@ -69,7 +70,7 @@ struct WorkReport {
   }
   // ... or that is due because other sessions live by now.
   bool IsUnderWay(std::uint64_t version, std::size_t living) const {
-    return IsUnderWay(version) || planned_living != living;
+    return IsUnderWay(version) || planned_living != living || looked_up_living != living;
   }
 
   void Remember(std::deque<WeldReport>& list, WeldReport report) {

@@ -108,6 +108,13 @@ Keypoint SyntheticWorld::MakeKeypoint(const Eigen::Vector3d& point_in_camera, in
   return keypoint;
 }
 
+void SyntheticWorld::Repaint(double kept) {
+  for (WorldPoint& point : world_) {
+    if (std::uniform_real_distribution<double>()(random_) < kept) continue;
+    for (auto& word : point.descriptor.words) word = random_();
+  }
+}
+
 Descriptor SyntheticWorld::Disturb(Descriptor descriptor) {
   for (auto& word : descriptor.words) {
     for (int bit = 0; bit < 64; ++bit) {

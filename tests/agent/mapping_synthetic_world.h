@@ -40,6 +40,8 @@ class SyntheticWorld {
 
   // The next keyframe, seen from camera_from_world and tracked against the previous one and its landmarks.
   KeyframeCandidate NextKeyframe(const Rigid3d& camera_from_world, const Atlas& atlas);
+  // Gives all corners another look, but for this share of them.
+  void Repaint(double kept);
   // The following keyframe begins this map and has no reference.
   void BeginMap(MapId map);
 

@@ -262,7 +262,7 @@ class OptimizationThreadTest : public ::testing::Test {
 TEST(WorkReportTest, SomethingIsUnderWayUntilAVersionAndASessionsEndWereLookedAt) {
   WorkReport report;
   report.looked_up_version = report.planned_version = 7;
-  report.planned_living = 2;
+  report.planned_living = report.looked_up_living = 2;
   EXPECT_FALSE(report.IsUnderWay(7, 2));
   EXPECT_TRUE(report.IsUnderWay(8, 2));
   EXPECT_TRUE(report.IsUnderWay(7, 1)) << "what the session that ended worked on may be made smaller";

@@ -34,6 +34,8 @@ class SurveyedWorld {
  public:
   explicit SurveyedWorld(std::uint64_t seed, int corners = 4000);
 
+  // From now on the room looks different: this share of its corners alone looks as before.
+  void Rearrange(double kept) { room_.Repaint(kept); }
   // The session flies along these poses and maps what it sees; one map for each session. Returns its map.
   MapId Fly(SessionId session, const std::vector<Rigid3d>& camera_from_world, const SurveyOptions& options);
 
