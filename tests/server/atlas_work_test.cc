@@ -44,9 +44,8 @@ std::vector<MapEdit> EditsThatMake(const Atlas& atlas) {
   return edits;
 }
 
-// Two maps of one room, as agents would have sent them.
-void Fill(AtlasService& service) {
-  const Atlas atlas = testing::TwoMaps(1).atlas;
+// As agents would have sent them.
+void Fill(AtlasService& service, const Atlas& atlas) {
   const auto make = [&atlas](ServerDraft& draft) {
     for (const MapEdit& edit : EditsThatMake(atlas)) {
       if (auto status = draft.Try(edit); !status) return status;
@@ -56,6 +55,9 @@ void Fill(AtlasService& service) {
   const auto answer = service.ProposeAndWait({{"test"}, make});
   ASSERT_TRUE(answer) << answer.error().message;
 }
+
+// Two maps of one room.
+void Fill(AtlasService& service) { Fill(service, testing::TwoMaps(1).atlas); }
 
 // A server without a network, until it is destroyed.
 class WorkingServer {
@@ -118,6 +120,23 @@ TEST(AtlasWork, TwoMapsOfOnePlaceBecomeOneAndWhatIsShownIsDurable) {
   EXPECT_EQ(report.merges, 1u);
   EXPECT_EQ(report.welds.front().sessions.size(), 2u);
   EXPECT_FALSE(report.welds.front().text.empty());
+}
+
+// No keyframe finds enough that looks as before.
+TEST(AtlasWork, TwoMapsOfARoomThatWasRearrangedBecomeOneWhenNobodyWorksOnThem) {
+  testing::SurveyedWorld world(9);
+  world.Fly(kOlder, testing::CirclePoses(0, 39, 40), {});
+  world.Rearrange(0.05);
+  world.Fly(kNewer, testing::CirclePoses(3, 42, 40), {.map_from_world = Similarity3d(MakePose(0.7, 3.0, -2.0, 1.0))});
+  const TemporaryStore place;
+  WorkingServer server(place.path());
+  Fill(server.service(), world.atlas);
+  server.harness().WaitForEvent(AtlasEventKind::kMerge);
+  server.work().Stop();
+  EXPECT_EQ(server.Map().Maps().size(), 1u);
+  EXPECT_TRUE(CheckConsistency(server.Map()).empty());
+  const WorkReport report = server.work().report();
+  EXPECT_NE(report.welds.front().text.find("maps compared"), std::string::npos) << report.welds.front().text;
 }
 
 TEST(AtlasWork, ALostAgentIsToldWhereInTheAtlasItsFrameWasTakenAndAForeignQuestionIsRefused) {
