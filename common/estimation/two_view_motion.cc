@@ -31,6 +31,18 @@ constexpr double kSameDirection = 20.0;
 // what is so close to the plane that it tells little.
 constexpr double kMaxRivalShare = 0.5;
 
+// Times that a motion is adjusted to the matches that it explains by then.
+constexpr int kAdjustments = 8;
+
+// What the result is rounded to, in median depths and as part of a turn: a hundredth of a pixel. Whatever sample of the
+// matches led to the optimum, the start is the same to the bit.
+constexpr double kGrain = 1.0 / (1 << 16);
+
+double Rounded(double value) { return kGrain * std::round(value / kGrain); }
+Eigen::Vector3d Rounded(const Eigen::Vector3d& vector) {
+  return {Rounded(vector.x()), Rounded(vector.y()), Rounded(vector.z())};
+}
+
 // A motion and the points that it explains.
 struct Hypothesis {
   Rigid3d second_from_first;
@@ -154,7 +166,22 @@ class Reconstructor {
     return hypothesis;
   }
 
-  tl::expected<TwoViewReconstruction, TwoViewRefusal> Adjust(const Hypothesis& hypothesis, bool planar) const {
+  // To all that the adjusted motion explains in turn, until that is what it was adjusted to: the sample that found the
+  // motion no longer matters.
+  tl::expected<TwoViewReconstruction, TwoViewRefusal> Adjust(Hypothesis hypothesis, bool planar) const {
+    const std::vector<std::uint8_t> all(matches_.size(), 1);
+    TwoViewReconstruction result;
+    for (int i = 0; i < kAdjustments; ++i) {
+      result = AdjustOnce(hypothesis);
+      Hypothesis next = Triangulate(result.second_from_first, all);
+      if (std::ranges::equal(next.points, hypothesis.points, {}, &TwoViewPoint::match, &TwoViewPoint::match)) break;
+      hypothesis = std::move(next);
+    }
+    result.planar = planar;
+    return Finish(std::move(result));
+  }
+
+  TwoViewReconstruction AdjustOnce(const Hypothesis& hypothesis) const {
     BundleProblem problem;
     problem.cameras.push_back(camera_);
     problem.poses = {{Rigid3d(), 0, true}, {hypothesis.second_from_first, 0, false}};
@@ -166,20 +193,20 @@ class Reconstructor {
       problem.observations.push_back({1, index, {match.second.x(), match.second.y(), -1.0}, match.inverse_sigma});
     }
     BundleOptions options;
+    options.cost_tolerance = 0.0;  // to the last digit
     options.iterations = options_.iterations;
     options.iterations_without_outliers = options_.iterations_without_outliers;
     const auto adjusted = SolveBundle(problem, options);
     PANGAEA_CHECK(adjusted.has_value());
     TwoViewReconstruction result;
     result.second_from_first = adjusted->poses[1];
-    result.planar = planar;
     for (std::size_t i = 0; i < hypothesis.points.size(); ++i) {
       const bool outlier = adjusted->outliers[2 * i] != 0 || adjusted->outliers[2 * i + 1] != 0;
       const double parallax = Parallax(result.second_from_first, adjusted->points[i]);
       if (outlier || parallax < options_.min_parallax) continue;
       result.points.push_back({hypothesis.points[i].match, adjusted->points[i]});
     }
-    return Finish(std::move(result));
+    return result;
   }
 
   // Judges what is left and gives it its scale.
@@ -194,8 +221,9 @@ class Reconstructor {
     const double scale = 1.0 / Median(std::move(depths));
     result.median_parallax = Median(std::move(parallaxes));
     const Rigid3d& motion = result.second_from_first;
-    result.second_from_first = Rigid3d(motion.rotation(), scale * motion.translation());
-    for (TwoViewPoint& point : result.points) point.point_in_first *= scale;
+    const Eigen::Vector4d turn = motion.rotation().coeffs().unaryExpr([](double part) { return Rounded(part); });
+    result.second_from_first = Rigid3d(Eigen::Quaterniond(turn).normalized(), Rounded(scale * motion.translation()));
+    for (TwoViewPoint& point : result.points) point.point_in_first = Rounded(scale * point.point_in_first);
     return result;
   }
 

@@ -62,7 +62,8 @@ const char* ToString(TwoViewRefusal refusal);
 // Motion and structure from two views of one camera without any first guess: homography and essential matrix compete,
 // the better one's motions are tried, the winner is adjusted on both views. Matches beside a plane help to choose among
 // the motions that it leaves possible. The scale is such that the median depth of the points in the first camera is 1.
-// The same seed gives the same answer.
+// The same seed gives the same answer, and mostly any seed does: the answer is the optimum that the motion found first
+// leads to, rounded to a hundredth of a pixel.
 tl::expected<TwoViewReconstruction, TwoViewRefusal> ReconstructFromTwoViews(const IdealCamera& camera,
                                                                             std::span<const PixelMatch> matches,
                                                                             const TwoViewOptions& options,
