@@ -34,8 +34,8 @@ constexpr double kMaxRivalShare = 0.5;
 // Times that a motion is adjusted to the matches that it explains by then.
 constexpr int kAdjustments = 8;
 
-// What the result is rounded to, in median depths and as part of a turn: a hundredth of a pixel. Whatever sample of the
-// matches led to the optimum, the start is the same to the bit.
+// What the result is rounded to, in median depths and as part of a turn: a hundredth of a pixel. Samples of the matches
+// that lead to one optimum mostly give one start then, to the bit.
 constexpr double kGrain = 1.0 / (1 << 16);
 
 double Rounded(double value) { return kGrain * std::round(value / kGrain); }

@@ -69,7 +69,7 @@ std::vector<KeyframeId> GoneKeyframes(const Atlas& atlas, const KnownState& know
                                       const std::vector<KeyframeId>& held) {
   std::vector<KeyframeId> gone;
   atlas.ForEachFormerKeyframe([&](KeyframeId id, const CulledKeyframe*) {
-    const bool is_news = known.atlas == nullptr || known.atlas->FindKeyframe(id) != nullptr;
+    const bool is_news = known.atlas == nullptr || known.atlas->FindKeyframe(id) != nullptr || !known.atlas->Knows(id);
     if ((is_news && id.session == session) || std::ranges::binary_search(held, id)) gone.push_back(id);
   });
   return gone;

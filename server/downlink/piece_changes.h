@@ -25,7 +25,7 @@ std::vector<LandmarkId> ChangedLandmarks(const Atlas& atlas, const KnownState& k
 // who removed them, it or the server, is not remembered.
 std::vector<LandmarkId> FormerLandmarks(const Atlas& atlas, const KnownState& known, SessionId session);
 
-// Keyframes of the same kind, and `held` ones that are gone.
+// Keyframes of the session of the same kind, and `held` ones that are gone.
 std::vector<KeyframeId> GoneKeyframes(const Atlas& atlas, const KnownState& known, SessionId session,
                                       const std::vector<KeyframeId>& held);
 

@@ -63,6 +63,8 @@ std::optional<AgentCorrection> SessionDownlink::Next(const SessionView& view) {
   correction.acknowledged = view.acknowledged;
   for (const MapId map : ConcernedMaps(view.atlas)) {
     MapPiece piece = PieceOf(map, view, new_guests);
+    // What is gone without a trace is of no map: it is told once.
+    if (!correction.pieces.empty()) piece.removed.clear();
     if (!piece.empty()) correction.pieces.push_back(std::move(piece));
   }
   sent_ = Told{view.atlas, *version, view.position, view.correction, new_guests, place_};

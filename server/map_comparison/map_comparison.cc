@@ -20,6 +20,9 @@ namespace {
 
 constexpr std::size_t kSampleSize = 3;
 constexpr std::size_t kCountedPerCell = 2;
+constexpr double kBent = 3.0;
+// Below it the numbers are no room's.
+constexpr double kLeastDepth = 1e-6;
 // Twice: the first motion is that of a handful of landmarks.
 constexpr int kGuidedRounds = 2;
 
@@ -67,7 +70,8 @@ class Comparing {
 
  private:
   MapComparisonOutcome Judge() {
-    if (std::min(query_.points.size(), candidate_.points.size()) < options_.min_pairs) {
+    if (std::min(query_.points.size(), candidate_.points.size()) < options_.min_pairs ||
+        std::min(query_.depth, candidate_.depth) < kLeastDepth) {
       return MapComparisonOutcome::kNotComparable;
     }
     std::vector<Match> matches = MatchBruteForce(query_.descriptors, candidate_.descriptors, options_.matching);
@@ -75,7 +79,8 @@ class Comparing {
     const auto motion = FindMotion(matches);
     if (!motion) return MapComparisonOutcome::kNoMotion;
     comparison_.support = Support(*motion, matches);
-    std::erase_if(matches, [&](const Match& match) { return Fits(*motion, match); });
+    // Where the maps are a little bent, what is true lies beside the best motion as well.
+    std::erase_if(matches, [&](const Match& match) { return Residual(*motion, match).norm() <= kBent * tolerance_; });
     const auto rival = FindMotion(matches);
     comparison_.rival_support = rival ? Support(*rival, matches) : 0;
     comparison_.candidate_from_query = *motion;
@@ -195,9 +200,9 @@ class Comparing {
     for (const Eigen::Vector3d& point : query_.points) moved.push_back(comparison_.candidate_from_query * point);
     const SurfaceOverlap of_query = OverlapOf(moved, candidate_.points, cell_, radius);
     const SurfaceOverlap of_candidate = OverlapOf(candidate_.points, moved, cell_, radius);
-    const SurfaceOverlap& smaller = of_query.overlap > of_candidate.overlap ? of_query : of_candidate;
-    comparison_.overlap = smaller.overlap;
-    comparison_.surface_share = smaller.share;
+    const SurfaceOverlap& larger = of_query.overlap > of_candidate.overlap ? of_query : of_candidate;
+    comparison_.overlap = larger.overlap;
+    comparison_.surface_share = larger.share;
   }
 
   // The keyframe that sees most of them; of equals the first.

@@ -27,13 +27,13 @@ const char* ToString(MapComparisonOutcome outcome);
 struct MapComparison {
   MapComparisonOutcome outcome = MapComparisonOutcome::kNotComparable;
   // Each 0 where the comparison did not come to it.
-  std::size_t matches = 0;            // landmarks that look alike, by descriptors alone
-  std::size_t support = 0;            // of these, that fit the best motion; at most two counted a cell
-  std::size_t rival_support = 0;      // the same of the best motion of the others
-  std::size_t pairs = 0;              // landmarks that lie on one that looks alike
-  std::size_t cells = 0;              // in which they lie
-  double overlap = 0.0;               // of the smaller map's landmarks, that lie in cells where the other has some
-  double surface_share = 0.0;         // of these, that lie on some landmark of the other
+  std::size_t matches = 0;        // landmarks that look alike, by descriptors alone
+  std::size_t support = 0;        // of these, that fit the best motion; at most two counted a cell
+  std::size_t rival_support = 0;  // the same of the best motion of the others
+  std::size_t pairs = 0;          // landmarks that lie on one that looks alike
+  std::size_t cells = 0;          // in which they lie
+  double overlap = 0.0;           // of the landmarks of the map of which more does, in cells where the other has some
+  double surface_share = 0.0;     // of these, that lie on some landmark of the other
   Similarity3d candidate_from_query;  // of the map frames
   // Where they are one place: as if the two keyframes that see most of the pairs had been recognised.
   std::optional<PlaceMatch> match;

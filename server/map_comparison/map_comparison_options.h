@@ -10,9 +10,10 @@ namespace pangaea {
 
 // When two maps that no keyframe joins are believed to show one place all the same.
 struct MapComparisonOptions {
-  // Landmarks that are compared: seen so often, and of these the most often seen, so many a map.
+  // Landmarks that are compared: seen so often, and of these so many a map. Of a larger map a part is compared, and
+  // what two large maps have in common is missed the more, the larger they are.
   std::size_t min_observations = 3;
-  std::size_t max_landmarks = 10000;
+  std::size_t max_landmarks = 8000;
   // Of landmarks without an idea of the motion. Stricter than for two keyframes: here a whole map may be mistaken.
   MatchOptions matching = {.max_distance = 40, .max_ratio = 0.8};
   int ransac_iterations = 100'000;
@@ -31,7 +32,7 @@ struct MapComparisonOptions {
   // The matches that fit the motion, at most two counted a cell, must be so many times those that fit the best motion
   // of the rest: a hall of equal bays has several of equal worth.
   double min_lead = 2.0;
-  // This share of the landmarks of the smaller map must lie in cells where the other has landmarks, too: it is the same
+  // This share of the landmarks of one of the maps must lie in cells where the other has landmarks, too: it is the same
   // room as a whole. Rooms that overlap a little are joined where a keyframe sees it.
   double min_overlap = 0.8;
   // Of these, this share must have one of the other's landmarks so near (scene depths), whatever it looks like: walls

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "common/map/spanning_tree.h"
 #include "server/optimization/median_depth.h"
 
 namespace pangaea {
@@ -41,25 +42,24 @@ Descriptor Medoid(const std::vector<Descriptor>& sightings) {
 }  // namespace
 
 MapSample SampleMap(const Atlas& atlas, MapId map, const MapComparisonOptions& options) {
-  std::vector<std::pair<std::size_t, LandmarkId>> ranked;  // by sightings, the most first
-  atlas.ForEachLandmark([&](const Landmark& landmark) {
-    const std::size_t sightings = landmark.observations.size();
-    if (sightings < options.min_observations || atlas.MapOf(landmark) != map) return;
-    ranked.emplace_back(std::numeric_limits<std::size_t>::max() - sightings, landmark.id);
-  });
-  if (ranked.size() > options.max_landmarks) {
-    std::ranges::nth_element(ranked, ranked.begin() + static_cast<std::ptrdiff_t>(options.max_landmarks));
-    ranked.resize(options.max_landmarks);
+  std::vector<LandmarkId> enough;
+  for (const KeyframeId id : ParentsFirst(atlas, map)) {
+    for (const LandmarkId seen : atlas.FindKeyframe(id)->landmarks) {
+      const Landmark* landmark = atlas.FindLandmark(seen);
+      if (landmark == nullptr || landmark->reference != id) continue;
+      if (landmark->observations.size() >= options.min_observations) enough.push_back(landmark->id);
+    }
   }
-  std::ranges::sort(ranked, {}, &std::pair<std::size_t, LandmarkId>::second);
+  std::ranges::sort(enough);
   MapSample sample;
   sample.map = map;
   sample.depth = MedianDepth(atlas, map);
-  for (const auto& [rank, id] : ranked) {
-    const Landmark& landmark = *atlas.FindLandmark(id);
+  const std::size_t count = std::min(enough.size(), options.max_landmarks);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Landmark& landmark = *atlas.FindLandmark(enough[i * enough.size() / count]);
     const std::vector<Descriptor> sightings = Sightings(atlas, landmark);
     if (sightings.empty()) continue;
-    sample.landmarks.push_back(id);
+    sample.landmarks.push_back(landmark.id);
     sample.points.push_back(landmark.point_in_map);
     sample.descriptors.push_back(Medoid(sightings));
   }

@@ -9,7 +9,8 @@
 
 namespace pangaea {
 
-// What of a map is compared with other maps: its most often seen landmarks. Index by index, in the order of their ids.
+// What of a map is compared with other maps: landmarks that were seen often enough, of a large map every so many, so
+// that they are spread like all of them. Index by index, in the order of their ids.
 struct MapSample {
   MapId map;
   double depth = 1.0;  // the median distance of the map's landmarks from their cameras

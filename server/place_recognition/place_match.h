@@ -31,7 +31,7 @@ struct PlaceEvidence {
 
 // Two keyframes that show the same place, geometrically verified: in one map a loop, in two maps a merge.
 struct PlaceMatch {
-  KeyframeId query;      // the newer one
+  KeyframeId query;      // the one looked up, mostly the newer one
   KeyframeId candidate;  // the one recognised
   // Camera frame of `query` (lengths of its map) to camera frame of `candidate` (lengths of its map). Where both maps
   // are metric, the scale is exactly 1.

@@ -72,7 +72,7 @@ std::shared_ptr<AtlasWork::Team> AtlasWork::MakeTeam() {
   team->recognition = std::make_unique<RecognitionThread>(
       service_, vocabulary_,
       RecognitionThread::Options{options_.place, options_.lookup, options_.frames, options_.compare_maps,
-                                 options_.comparison, options_.comparisons},
+                                 options_.comparison, options_.comparisons, !std::exchange(started_, true)},
       found, ledger_);
   return team;
 }

@@ -62,6 +62,7 @@ class AtlasWork {
   const std::shared_ptr<const VocabularyTree> vocabulary_;
   WorkLedger ledger_;
   Separations separations_;
+  bool started_ = false;  // before
   Mutex mutex_;
   std::shared_ptr<Team> team_ GUARDED_BY(mutex_);  // none while it is stopped
 };

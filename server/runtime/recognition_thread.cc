@@ -36,6 +36,7 @@ RecognitionThread::RecognitionThread(const AtlasService& service, std::shared_pt
       frames_(options.frames),
       place_(options.place),
       compares_(options.compare_maps),
+      recovers_(options.recovers),
       comparison_(options.comparison),
       links_(std::move(links)),
       ledger_(ledger),
@@ -44,6 +45,7 @@ RecognitionThread::RecognitionThread(const AtlasService& service, std::shared_pt
       comparisons_(options.comparisons) {}
 
 void RecognitionThread::Start() {
+  if (recovers_) comparisons_.Recover(service_.State()->ingest.atlas);
   thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
 }
 
@@ -79,7 +81,6 @@ void RecognitionThread::IndexRecovered(const std::stop_token& stop) {
   state->ingest.atlas.ForEachKeyframe([&](const Keyframe& keyframe) {
     if (!stop.stop_requested()) recognizer_.Add(keyframe);
   });
-  comparisons_.Recover(state->ingest.atlas);
 }
 
 bool RecognitionThread::LookUpOne() {

@@ -36,6 +36,8 @@ class RecognitionThread {
     bool compare_maps = true;
     MapComparisonOptions comparison;
     ComparisonAgendaOptions comparisons;
+    // The maps that are there when it starts come from the store, and not from a stop of the work.
+    bool recovers = true;
   };
   // Called on its thread.
   struct Links {
@@ -79,6 +81,7 @@ class RecognitionThread {
   const FrameLookupOptions frames_;
   const PlaceRecognitionOptions place_;
   const bool compares_;
+  const bool recovers_;
   const MapComparisonOptions comparison_;
   const Links links_;
   WorkLedger& ledger_;

@@ -39,19 +39,22 @@ class ComparisonAgendaTest : public ::testing::Test {
   std::map<SessionId, std::uint32_t> newest_;
 };
 
-TEST_F(ComparisonAgendaTest, AMapIsComparedWithAllOthersOnceItIsClosed) {
+TEST_F(ComparisonAgendaTest, AMapIsComparedOnceWithThoseThatAreOverWhenItIs) {
   Grow(M(1), 3);
   Grow(M(1, kBert), 3);
   Grow(M(2, kBert), 3);
   EXPECT_TRUE(Due().empty()) << "they grow";
   world_.Do(CloseMap{M(1, kBert)});
-  EXPECT_EQ(Due(), (std::vector<Pair>{{M(1, kBert), M(1)}, {M(1, kBert), M(2, kBert)}}));
+  EXPECT_TRUE(Due().empty()) << "the others grow";
+  world_.Do(CloseMap{M(1)});
+  EXPECT_EQ(Due(), (std::vector<Pair>{{M(1), M(1, kBert)}}));
   EXPECT_TRUE(Due().empty()) << "once";
 }
 
 TEST_F(ComparisonAgendaTest, AMapThatItsAgentLeftWithoutAWordIsOverToo) {
   Grow(M(1), 3);
   Grow(M(1, kBert), 3);
+  world_.Do(CloseMap{M(1, kBert)});
   EXPECT_EQ(Due([](MapId map) { return map == M(1); }), (std::vector<Pair>{{M(1), M(1, kBert)}}));
 }
 
@@ -70,7 +73,8 @@ TEST_F(ComparisonAgendaTest, SmallMapsAreNotCompared) {
 
 TEST_F(ComparisonAgendaTest, WhatGrewAndIsOverAgainIsComparedAgain) {
   Grow(M(1), 3);
-  Grow(M(1, kBert), 3);
+  Grow(M(1, kBert), 5);
+  world_.Do(CloseMap{M(1, kBert)});
   const auto annas_is_left = [](MapId map) { return map == M(1); };
   EXPECT_EQ(Due(annas_is_left).size(), 1u);
   Grow(M(1));
@@ -78,13 +82,45 @@ TEST_F(ComparisonAgendaTest, WhatGrewAndIsOverAgainIsComparedAgain) {
   EXPECT_EQ(Due(annas_is_left).size(), 1u);
 }
 
-TEST_F(ComparisonAgendaTest, WhatWasRecoveredIsComparedWithWhatIsNewAlone) {
+TEST_F(ComparisonAgendaTest, WhatCameInPlaceOfWhatWasCulledIsGrowth) {
+  Grow(M(1), 5);
+  Grow(M(1, kBert), 5);
+  const auto all = [](MapId) { return true; };
+  EXPECT_EQ(Due(all).size(), 1u);
+  world_.Do(RemoveKeyframe{K(4)});
+  world_.Do(RemoveKeyframe{K(5)});
+  EXPECT_TRUE(Due(all).empty());
+  Grow(M(1));
+  EXPECT_EQ(Due(all).size(), 1u);
+}
+
+TEST_F(ComparisonAgendaTest, AJoinedMapIsOverWhenItsLastAgentIsGoneWhateverItsPartsSaid) {
+  Grow(M(1), 3);
+  Grow(M(1, kBert), 3);
+  Grow(M(2, kBert), 3);
+  for (const MapId map : {M(1), M(1, kBert), M(2, kBert)}) world_.Do(CloseMap{map});
+  world_.Do(MergeMaps{M(1), M(1, kBert), {}, K(1, kBert), K(1), 1});
+  EXPECT_TRUE(Due().empty()) << "somebody works on it";
+  EXPECT_EQ(Due([](MapId map) { return map == M(1); }), (std::vector<Pair>{{M(1), M(2, kBert)}}));
+}
+
+TEST_F(ComparisonAgendaTest, OfWhatWasRecoveredClosedMapsAreNotComparedWithEachOther) {
   Grow(M(1), 3);
   Grow(M(2), 3);
+  Grow(M(3), 3);
+  world_.Do(CloseMap{M(1)});
+  world_.Do(CloseMap{M(2)});
   agenda_.Recover(world_.atlas);
-  EXPECT_TRUE(Due([](MapId) { return true; }).empty());
+  EXPECT_TRUE(Due().empty());
+  EXPECT_EQ(Due([](MapId) { return true; }), (std::vector<Pair>{{M(3), M(1)}, {M(3), M(2)}}));
+}
+
+TEST_F(ComparisonAgendaTest, WhatIsWorkedOnAgainIsLeftOut) {
+  Grow(M(1), 3);
   Grow(M(1, kBert), 3);
-  EXPECT_EQ(Due([](MapId) { return true; }), (std::vector<Pair>{{M(1, kBert), M(1)}, {M(1, kBert), M(2)}}));
+  agenda_.Update(world_.atlas, [](MapId) { return true; });
+  EXPECT_EQ(agenda_.waiting(), 1u);
+  EXPECT_TRUE(Due().empty()) << "both have agents again";
 }
 
 TEST_F(ComparisonAgendaTest, MapsThatWereJoinedMeanwhileAreLeftOut) {

@@ -8,6 +8,7 @@
 
 #include "common/map/map_edit.h"
 #include "server/fusion/welding.h"
+#include "server/map_comparison/map_sample.h"
 #include "server/map_comparison/point_grid.h"
 #include "tests/map/small_world.h"
 #include "tests/server/surveyed_world.h"
@@ -127,11 +128,31 @@ TEST(MapComparison, ThingsOfTwoPlacesThatStandAlikeAmongOtherWallsDoNotMakeThemO
 TEST(MapComparison, OneThingThatStandsInBothPlacesDoesNotMakeThemOne) {
   Strewer strewer(4);
   auto here = strewer.Things(1500);
-  // A crate with a hundred corners, a metre or two wide.
-  for (int i = 0; i < 100; ++i) here[i].position = Eigen::Vector3d(5.0, 5.0, 15.0) + 0.05 * strewer.Position();
+  // A machine with a hundred corners, nine metres wide; a cell is six.
+  for (int i = 0; i < 100; ++i) here[i].position = Eigen::Vector3d(5.0, 5.0, 17.0) + 0.15 * strewer.Position();
   const auto there = Repainted(here, 100, strewer);
   const MapComparison comparison = Compare(here, there);
-  EXPECT_FALSE(comparison.match) << Describe(comparison);
+  EXPECT_EQ(comparison.outcome, MapComparisonOutcome::kNarrow) << Describe(comparison);
+  EXPECT_LE(comparison.support, 2 * comparison.cells);
+  EXPECT_EQ(comparison.pairs, 100u);
+}
+
+TEST(MapComparison, AHandfulOfThingsIsNotEnough) {
+  Strewer strewer(11);
+  const auto before = strewer.Things(1500);
+  const MapComparison comparison = Compare(before, Repainted(before, 20, strewer));
+  EXPECT_EQ(comparison.outcome, MapComparisonOutcome::kFewPairs) << Describe(comparison);
+}
+
+TEST(MapComparison, OfALargeMapAPartIsComparedSpreadOverAllOfIt) {
+  Strewer strewer(12);
+  Atlas atlas;
+  Survey(kAnna, strewer.Things(1000), Rigid3d(), atlas);
+  MapComparisonOptions options;
+  options.max_landmarks = 100;
+  const MapSample sample = SampleMap(atlas, M(1), options);
+  ASSERT_EQ(sample.landmarks.size(), 100u);
+  for (std::uint32_t i = 0; i < 100; ++i) EXPECT_EQ(sample.landmarks[i], L(10 * i + 1));
 }
 
 TEST(MapComparison, WhereHalfOfWhatStayedSaysOneMotionAndHalfAnotherNeitherIsBelieved) {
@@ -214,6 +235,12 @@ TEST(PointGrid, PointsWithoutBoundsAreCellsLikeOthers) {
   const double huge = 1e300;
   EXPECT_EQ(CellOf({huge, -huge, 0.0}, 0.1), CellOf({2.0 * huge, -2.0 * huge, 0.0}, 0.1));
   EXPECT_NE(CellOf({-0.01, 0.0, 0.0}, 1.0), CellOf({0.01, 0.0, 0.0}, 1.0));
+  const std::vector<Eigen::Vector3d> points(3, Eigen::Vector3d(huge, huge, huge));
+  std::size_t found = 0;
+  PointGrid(points, 0.1).ForEachNear(points[0], [&](std::uint32_t) { ++found; });
+  EXPECT_EQ(found, 3u) << "each once";
+  (void)CellOf({1.0, 0.0, 0.0}, 0.0);
+  (void)CellOf({0.0, 0.0, 0.0}, 0.0);
 }
 
 }  // namespace
