@@ -32,7 +32,7 @@ Status Publish(const PublishArguments& arguments) {
   const auto url = LcmUrl::Parse(arguments.url);
   if (!url) return tl::make_unexpected(url.error());
   const SensorKind kind = arguments.sensor == "mono" ? SensorKind::kMonocular : SensorKind::kStereo;
-  const auto dataset = OpenDataset(arguments.dataset, kind, arguments.calibration);
+  const auto dataset = OpenDataset(arguments.dataset, kind, arguments.calibration, GroundTruth::kLeave);
   if (!dataset) return tl::make_unexpected(dataset.error());
   for (const std::string& warning : dataset->warnings) std::cerr << warning << "\n";
   const auto sender = LcmSender::Open(*url);

@@ -17,7 +17,7 @@ Result<CameraInput> OpenCameraInput(const AgentOptions& options, const std::stop
     const LcmInputOptions lcm{.url = options.lcm_input, .channels = options.lcm, .calibration = options.calibration};
     return OpenLcmInput(lcm, options.sensor, stop);
   }
-  auto dataset = OpenDataset(options.dataset, options.sensor, options.calibration);
+  auto dataset = OpenDataset(options.dataset, options.sensor, options.calibration, GroundTruth::kLeave);
   if (!dataset) return tl::make_unexpected(dataset.error());
   return InputFrom(std::move(*dataset));
 }

@@ -12,7 +12,8 @@ namespace {
 // One way to lay out a recording on disk. A new layout is a new line here.
 struct Layout {
   bool (*recognises)(const std::filesystem::path&);
-  Result<Dataset> (*open)(const std::filesystem::path& folder, SensorKind, const std::filesystem::path& calibration);
+  Result<Dataset> (*open)(const std::filesystem::path& folder, SensorKind, const std::filesystem::path& calibration,
+                          GroundTruth truth);
   const char* description;
 };
 
@@ -31,14 +32,14 @@ std::filesystem::path WithoutTrailingSlash(const std::filesystem::path& folder) 
 }  // namespace
 
 Result<Dataset> OpenDataset(const std::filesystem::path& folder, SensorKind kind,
-                            const std::filesystem::path& calibration) {
+                            const std::filesystem::path& calibration, GroundTruth truth) {
   std::error_code error;
   if (!std::filesystem::is_directory(folder, error)) {
     return Fail(ErrorCode::kNotFound, folder.string() + ": there is no such folder");
   }
   std::string known;
   for (const Layout& layout : kLayouts) {
-    if (layout.recognises(folder)) return layout.open(WithoutTrailingSlash(folder), kind, calibration);
+    if (layout.recognises(folder)) return layout.open(WithoutTrailingSlash(folder), kind, calibration, truth);
     known += (known.empty() ? "" : "; ") + std::string(layout.description);
   }
   return Fail(ErrorCode::kUnsupported, folder.string() + ": not a dataset of a known layout; known are: " + known);

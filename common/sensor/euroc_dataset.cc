@@ -95,7 +95,8 @@ bool IsEurocDataset(const fs::path& folder) {
   return fs::is_directory(RootOf(folder) / "cam0", error);
 }
 
-Result<Dataset> OpenEurocDataset(const fs::path& folder, SensorKind kind, const fs::path& calibration_file) {
+Result<Dataset> OpenEurocDataset(const fs::path& folder, SensorKind kind, const fs::path& calibration_file,
+                                 GroundTruth truth) {
   const fs::path root = RootOf(folder);
   const auto calibration = ReadCalibration(root, kind, calibration_file);
   if (!calibration) return tl::make_unexpected(calibration.error());
@@ -104,7 +105,7 @@ Result<Dataset> OpenEurocDataset(const fs::path& folder, SensorKind kind, const 
   dataset.layout = calibration->is_chain && calibration_file.empty() ? "TUM-VI" : "EuRoC";
   dataset.rig = calibration->rig;
   if (auto status = ListFrames(root, *calibration, dataset); !status) return tl::make_unexpected(status.error());
-  dataset.ground_truth = ReadGroundTruth(root, dataset.warnings);
+  if (truth == GroundTruth::kRead) dataset.ground_truth = ReadGroundTruth(root, dataset.warnings);
   return dataset;
 }
 

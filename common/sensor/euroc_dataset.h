@@ -13,6 +13,6 @@ namespace pangaea {
 // mav0 (TUM-VI); `calibration` names another file, unless it is empty.
 bool IsEurocDataset(const std::filesystem::path& folder);
 Result<Dataset> OpenEurocDataset(const std::filesystem::path& folder, SensorKind kind,
-                                 const std::filesystem::path& calibration);
+                                 const std::filesystem::path& calibration, GroundTruth truth);
 
 }  // namespace pangaea

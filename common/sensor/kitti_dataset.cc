@@ -111,8 +111,10 @@ Result<std::vector<std::optional<std::int64_t>>> ReadTimes(const fs::path& file)
   return times;
 }
 
-std::vector<std::optional<Rigid3d>> ReadPoses(const fs::path& file) {
-  std::vector<std::optional<Rigid3d>> poses;
+using Poses = std::vector<std::optional<Rigid3d>>;  // by frame; none where the row is malformed
+
+Poses ReadPoses(const fs::path& file) {
+  Poses poses;
   const auto text = ReadTextFile(file);
   if (!text) return poses;
   ForEachLine(*text, [&](int, std::string_view line) {
@@ -145,13 +147,12 @@ Result<ImageSize> FindImageSize(const std::vector<DatasetFrame>& frames) {
 }
 
 void ListFrames(const fs::path& folder, SensorKind kind, const std::vector<std::optional<std::int64_t>>& times,
-                Dataset& dataset) {
+                const Poses& poses, Dataset& dataset) {
   std::error_code error;
   const bool is_png = fs::exists(ImagePath(folder / "image_0", 0, kImageEndings[0]), error) ||
                       !fs::exists(ImagePath(folder / "image_0", 0, kImageEndings[1]), error);
   const char* ending = is_png ? kImageEndings[0] : kImageEndings[1];
   const bool stereo = kind == SensorKind::kStereo;
-  const std::vector<std::optional<Rigid3d>> poses = ReadPoses(folder / "poses.txt");
   std::vector<StampedFile> images;
   std::map<std::int64_t, std::size_t> index_of;
   std::size_t malformed = 0;
@@ -185,13 +186,15 @@ bool IsKittiDataset(const fs::path& folder) {
   return fs::exists(folder / "times.txt", error) && fs::is_directory(folder / "image_0", error);
 }
 
-Result<Dataset> OpenKittiDataset(const fs::path& folder, SensorKind kind, const fs::path& calibration) {
+Result<Dataset> OpenKittiDataset(const fs::path& folder, SensorKind kind, const fs::path& calibration,
+                                 GroundTruth truth) {
   Dataset dataset;
   dataset.name = folder.filename().string();
   dataset.layout = "KITTI";
   const auto times = ReadTimes(folder / "times.txt");
   if (!times) return tl::make_unexpected(times.error());
-  ListFrames(folder, kind, *times, dataset);
+  const auto poses = truth == GroundTruth::kRead ? ReadPoses(folder / "poses.txt") : Poses();
+  ListFrames(folder, kind, *times, poses, dataset);
   const auto size = FindImageSize(dataset.frames);
   if (!size) return tl::make_unexpected(size.error());
   auto rig = calibration.empty() ? ReadRig(folder, *size, kind) : ReadCameraChain(calibration, kind);

@@ -79,7 +79,8 @@ bool IsTumRgbdDataset(const fs::path& folder) {
   return fs::exists(folder / "rgb.txt", error) || fs::exists(folder / "associations.txt", error);
 }
 
-Result<Dataset> OpenTumRgbdDataset(const fs::path& folder, SensorKind kind, const fs::path& calibration_file) {
+Result<Dataset> OpenTumRgbdDataset(const fs::path& folder, SensorKind kind, const fs::path& calibration_file,
+                                   GroundTruth truth) {
   if (kind == SensorKind::kStereo) {
     return Fail(ErrorCode::kUnsupported,
                 folder.string() + ": a TUM RGB-D recording has one colour camera; allowed: a monocular sensor");
@@ -96,10 +97,10 @@ Result<Dataset> OpenTumRgbdDataset(const fs::path& folder, SensorKind kind, cons
     return tl::make_unexpected(status.error());
   }
   for (StampedFile& image : *images) dataset.frames.push_back({image.stamp_ns, std::move(image.path), {}});
-  const fs::path truth = folder / "groundtruth.txt";
+  const fs::path file = folder / "groundtruth.txt";
   std::error_code error;
-  if (!fs::exists(truth, error)) return dataset;
-  auto poses = ReadPoseTable(truth, kTumTables, dataset.warnings);
+  if (truth == GroundTruth::kLeave || !fs::exists(file, error)) return dataset;
+  auto poses = ReadPoseTable(file, kTumTables, dataset.warnings);
   if (poses) dataset.ground_truth = std::move(*poses);
   return dataset;
 }

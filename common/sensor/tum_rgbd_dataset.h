@@ -13,6 +13,6 @@ namespace pangaea {
 // the benchmark's published values for the camera that the folder's name tells (freiburg1, freiburg2, freiburg3).
 bool IsTumRgbdDataset(const std::filesystem::path& folder);
 Result<Dataset> OpenTumRgbdDataset(const std::filesystem::path& folder, SensorKind kind,
-                                   const std::filesystem::path& calibration);
+                                   const std::filesystem::path& calibration, GroundTruth truth);
 
 }  // namespace pangaea

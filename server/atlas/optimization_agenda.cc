@@ -11,8 +11,9 @@ bool IsWelded(const Atlas& atlas, MapId map) {
   });
 }
 Status OptimizationAgendaOptions::Check() const {
-  if (growth > 0.0 && patience >= 1) return {};
-  return Fail(ErrorCode::kInvalidArgument, "growth must be above 0 and patience at least 1");
+  if (growth > 0.0 && patience >= 1 && settled_share >= 0.0 && closing_rounds >= 0) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              "growth must be above 0, patience at least 1, settled_share and closing_rounds at least 0");
 }
 
 void OptimizationAgenda::MakeDue(MapId map) { due_.emplace(map, ++clock_); }
@@ -29,7 +30,9 @@ void OptimizationAgenda::SessionClosedMap(const Atlas& atlas, SessionId session)
   atlas.ForEachKeyframe(session, [&](const Keyframe& keyframe) { maps.insert(keyframe.map); });
   for (const MapId map : maps) {
     const Optimized& last = running_ == map ? at_start_ : optimized_[map];
-    if (atlas.FindMap(map)->keyframes != last.keyframes && IsWelded(atlas, map)) MakeDue(map);
+    closing_[map] = options_.closing_rounds;
+    const bool is_new = atlas.FindMap(map)->keyframes != last.keyframes || !last.settled;
+    if (is_new && IsWelded(atlas, map)) MakeDue(map);
   }
 }
 
@@ -42,7 +45,9 @@ void OptimizationAgenda::Update(const Atlas& atlas) {
     if (!fresh) entry->second = std::min(entry->second, time);
   }
   due_ = std::move(due);
-  std::erase_if(optimized_, [&](const auto& entry) { return atlas.FindMap(entry.first) == nullptr; });
+  const auto is_gone = [&](const auto& entry) { return atlas.FindMap(entry.first) == nullptr; };
+  std::erase_if(optimized_, is_gone);
+  std::erase_if(closing_, is_gone);
   for (const MapId id : atlas.Maps()) {
     const MapInfo& map = *atlas.FindMap(id);
     const Optimized& last = running_ == id ? at_start_ : optimized_[id];
@@ -61,11 +66,11 @@ std::optional<MapId> OptimizationAgenda::Start(const Atlas& atlas) {
   if (info == nullptr) return std::nullopt;
   running_ = map;
   cancelled_ = false;
-  at_start_ = {info->keyframes, info->closed};
+  at_start_ = {info->keyframes, info->landmarks, info->closed, true};
   return map;
 }
 
-void OptimizationAgenda::Finish(bool done) {
+void OptimizationAgenda::Finish(bool done, std::size_t fused) {
   const MapId map = *running_;
   running_.reset();
   if (cancelled_ && !done) {
@@ -75,7 +80,17 @@ void OptimizationAgenda::Finish(bool done) {
   }
   // One that failed is not tried again before the map changes.
   cancellations_.erase(map);
+  const auto settled = options_.settled_share * static_cast<double>(at_start_.landmarks);
+  at_start_.settled = static_cast<double>(fused) <= settled;
   optimized_[map] = at_start_;
+  const auto closing = closing_.find(map);
+  if (closing == closing_.end()) return;
+  if (at_start_.settled || closing->second == 0) {
+    closing_.erase(closing);
+  } else {
+    --closing->second;
+    MakeDue(map);
+  }
 }
 
 bool OptimizationAgenda::HoldsLoops(MapId map) const {

@@ -19,6 +19,11 @@ struct OptimizationAgendaOptions {
   double growth = 0.25;
   // A bundle adjustment that welds have cancelled so often in a row is let finish: loops in its map wait for it.
   int patience = 3;
+  // An adjustment before which more than this share of the map's landmarks turned out to be duplicates leaves a map
+  // that is not settled: better aligned, it shows more of them. Where a session ends it gets so many more, while its
+  // agent waits.
+  double settled_share = 0.0025;
+  int closing_rounds = 3;
 
   Status Check() const;
 };
@@ -34,14 +39,15 @@ class OptimizationAgenda {
   // Something else changed it so much that it is due again.
   void MapChanged(MapId map) { MakeDue(map); }
   // The session's agent said that nothing more comes to one of its maps. Every welded map with keyframes of it is due
-  // that is not what it was at its last adjustment: the agent waits for what that makes of them.
+  // that is not what it was at its last adjustment, or that one did not leave settled: the agent waits for what that
+  // makes of them.
   void SessionClosedMap(const Atlas& atlas, SessionId session);
   // Looks for maps that are due by themselves, and follows merges.
   void Update(const Atlas& atlas);
   // Starts the one that has waited longest. Nothing while one runs, or when none is due.
   std::optional<MapId> Start(const Atlas& atlas);
-  // `done`: false when it was cancelled or failed. A cancelled one is due again.
-  void Finish(bool done);
+  // `done`: false when it was cancelled or failed. A cancelled one is due again. `fused`: duplicates that became one.
+  void Finish(bool done, std::size_t fused = 0);
   // Loops in this map have to wait (merges never do).
   bool HoldsLoops(MapId map) const;
   std::optional<MapId> running() const { return running_; }
@@ -50,7 +56,9 @@ class OptimizationAgenda {
  private:
   struct Optimized {
     std::size_t keyframes = 0;  // it had then
+    std::size_t landmarks = 0;
     bool closed = false;
+    bool settled = true;
   };
   void MakeDue(MapId map);
 
@@ -62,6 +70,7 @@ class OptimizationAgenda {
   bool cancelled_ = false;              // the running one
   std::map<MapId, int> cancellations_;  // in a row
   std::map<MapId, Optimized> optimized_;
+  std::map<MapId, int> closing_;  // in which a session ended: how many more it may get until it is settled
 };
 
 }  // namespace pangaea

@@ -129,11 +129,15 @@ bool OptimizationThread::Optimize(const Atlas& snapshot, MapId map, const std::s
   const bool cancelled = running.stop_requested();
   if (!cancelled) ledger_.Keep("global_bundle", watch);
   const bool better = optimized.has_value();
+  const std::size_t fused =
+      !better ? 0 : static_cast<std::size_t>(std::ranges::count_if(optimized->joins, [](const MapEdit& edit) {
+        return std::holds_alternative<FuseLandmarks>(edit);
+      }));
   if (optimized && !cancelled) Propose(map, std::move(*optimized));
   std::size_t waiting = 0;
   {
     MutexLock lock(mutex_);
-    agenda_.Finish(!cancelled);
+    agenda_.Finish(!cancelled, fused);
     waiting = agenda_.waiting();
   }
   spdlog::info("global bundle adjustment of map {} {} after {:.0f} ms", ToString(map),

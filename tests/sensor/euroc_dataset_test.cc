@@ -57,6 +57,15 @@ class EurocDataset : public ::testing::Test {
   fs::path truth_ = root_ / "mav0" / "state_groundtruth_estimate0" / "data.csv";
 };
 
+TEST_F(EurocDataset, TheGroundTruthIsLeftAloneWhereNobodyAsksForIt) {
+  testing::WriteText(truth_, "it would make a warning");
+  const auto dataset = OpenDataset(root_, SensorKind::kStereo, {}, GroundTruth::kLeave);
+  ASSERT_TRUE(dataset) << dataset.error().message;
+  EXPECT_THAT(dataset->ground_truth, IsEmpty());
+  EXPECT_THAT(dataset->warnings, IsEmpty());
+  EXPECT_EQ(dataset->frames.size(), std::size_t{kRecordedFrames});
+}
+
 TEST_F(EurocDataset, AWholeRecordingOpensWithoutWarnings) {
   const Dataset dataset = Open();
   EXPECT_EQ(dataset.name, "hall_01");

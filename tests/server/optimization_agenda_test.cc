@@ -105,6 +105,36 @@ TEST(OptimizationAgenda, ASessionThatClosesAMapNobodySawFromElsewhereChangesNoth
   EXPECT_FALSE(agenda.Start(world.atlas));
 }
 
+TEST(OptimizationAgenda, WhereASessionEndsItsMapIsAdjustedUntilItIsSettled) {
+  SmallWorld world = TwoMaps();
+  world.Do(CloseMap{M(1)});
+  OptimizationAgenda agenda({.settled_share = 0.5, .closing_rounds = 2});
+  agenda.SessionClosedMap(world.atlas, kAnna);
+  agenda.Update(world.atlas);
+  // Two of its three landmarks were duplicates.
+  for (int round = 0; round < 3; ++round) {
+    EXPECT_EQ(agenda.Start(world.atlas), M(1)) << round;
+    agenda.Finish(true, 2);
+    agenda.Update(world.atlas);
+  }
+  EXPECT_FALSE(agenda.Start(world.atlas)) << "twice more at most";
+  agenda.SessionClosedMap(world.atlas, kAnna);
+  agenda.MapWelded(M(1));
+  EXPECT_EQ(agenda.Start(world.atlas), M(1));
+  agenda.Finish(true, 1);
+  EXPECT_FALSE(agenda.Start(world.atlas)) << "one of three: it is settled";
+}
+
+TEST(OptimizationAgenda, AMapInWhichNoSessionEndsWaitsForTheNextReasonHoweverManyDuplicatesThereWere) {
+  const SmallWorld world = TwoMaps();
+  OptimizationAgenda agenda({.settled_share = 0.0});
+  agenda.MapWelded(M(1));
+  EXPECT_EQ(agenda.Start(world.atlas), M(1));
+  agenda.Finish(true, 3);
+  agenda.Update(world.atlas);
+  EXPECT_FALSE(agenda.Start(world.atlas));
+}
+
 TEST(OptimizationAgenda, OneThatWasCancelledAgainAndAgainIsLetFinish) {
   const SmallWorld world = TwoMaps();
   OptimizationAgenda agenda({.patience = 2});
