@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace pangaea {
 
 StatusWatch::StatusWatch(const std::string& site)
@@ -21,8 +23,12 @@ std::uint64_t StatusWatch::WaitForAcknowledged(std::uint64_t incarnation, std::u
     if (status.server_incarnation != incarnation) continue;
     std::uint64_t acknowledged = 0;
     const auto json = nlohmann::json::parse(status.json);
-    for (const auto& session : json.at("sessions")) acknowledged += session.at("acknowledged").get<std::uint64_t>();
-    if (acknowledged >= count) return acknowledged;
+    const auto& sessions = json.at("sessions");
+    for (const auto& session : sessions) acknowledged += session.at("acknowledged").get<std::uint64_t>();
+    const bool is_over = !sessions.empty() && std::ranges::all_of(sessions, [](const auto& session) {
+      return session.at("closed").template get<bool>();
+    });
+    if (acknowledged >= count || is_over) return acknowledged;
   }
 }
 

@@ -20,7 +20,8 @@ class StatusWatch {
   StatusWatch(const StatusWatch&) = delete;
   StatusWatch& operator=(const StatusWatch&) = delete;
 
-  // Waits until the sessions of the server's `incarnation` have so many acknowledged envelopes together. Their number.
+  // Waits until the sessions of the server's `incarnation` have so many acknowledged envelopes together,
+  // or their agents have ended. Their number.
   std::uint64_t WaitForAcknowledged(std::uint64_t incarnation, std::uint64_t count);
 
  private:
