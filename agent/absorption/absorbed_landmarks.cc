@@ -9,7 +9,8 @@ namespace {
 
 class LandmarkAbsorption {
  public:
-  LandmarkAbsorption(const MapPiece& piece, AbsorptionDraft& draft) : piece_(piece), draft_(draft) {
+  LandmarkAbsorption(const MapPiece& piece, AbsorptionDraft& draft)
+      : piece_(piece), draft_(draft), before_(draft.atlas()) {
     for (const FusedLandmark& fused : piece.fused) absorbers_[fused.absorbed] = fused.kept;
   }
 
@@ -87,12 +88,22 @@ class LandmarkAbsorption {
 
   // Whether the server had been told that the keypoint shows the landmark, or one that it has fused into it.
   bool WasTold(const Observation& observation, LandmarkId landmark) const {
-    const Keyframe* told = draft_.input().base.FindKeyframe(observation.keyframe);
-    if (told == nullptr || observation.keypoint >= told->landmarks.size()) return false;
-    const LandmarkId before = told->landmarks[observation.keypoint];
-    if (!before.valid()) return false;
-    const auto absorber = absorbers_.find(before);
-    return before == landmark || (absorber != absorbers_.end() && absorber->second == landmark);
+    return Shows(draft_.input().base, observation, landmark);
+  }
+
+  // Whether the agent had told the server of it, and does not say so any more. What this absorption took itself is no
+  // word of the agent: two that are fused and seen by one keyframe lose one of the two sightings.
+  bool WasTakenBack(const Observation& observation, LandmarkId landmark) const {
+    return WasTold(observation, landmark) && !Shows(before_, observation, landmark);
+  }
+
+  bool Shows(const Atlas& atlas, const Observation& observation, LandmarkId landmark) const {
+    const Keyframe* keyframe = atlas.FindKeyframe(observation.keyframe);
+    if (keyframe == nullptr || observation.keypoint >= keyframe->landmarks.size()) return false;
+    const LandmarkId shown = keyframe->landmarks[observation.keypoint];
+    if (!shown.valid()) return false;
+    const auto absorber = absorbers_.find(shown);
+    return shown == landmark || (absorber != absorbers_.end() && absorber->second == landmark);
   }
 
   static bool Holds(const std::vector<Observation>& observations, const Observation& observation) {
@@ -114,8 +125,7 @@ class LandmarkAbsorption {
       if (landmark == nullptr) return;
       const Keyframe* keyframe = atlas().FindKeyframe(observation.keyframe);
       if (keyframe == nullptr || At(observation) == listed.id) continue;
-      // The agent took it back since.
-      if (WasTold(observation, listed.id)) continue;
+      if (WasTakenBack(observation, listed.id)) continue;
       const auto elsewhere = std::find_if(landmark->observations.begin(), landmark->observations.end(),
                                           [&](const Observation& o) { return o.keyframe == observation.keyframe; });
       if (elsewhere != landmark->observations.end()) {
@@ -151,6 +161,7 @@ class LandmarkAbsorption {
 
   const MapPiece& piece_;
   AbsorptionDraft& draft_;
+  const Atlas before_;  // as it was before anything became of its landmarks
   std::map<LandmarkId, LandmarkId> absorbers_;
   MoveLandmarks points_;
 };

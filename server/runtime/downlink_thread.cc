@@ -13,6 +13,7 @@ constexpr std::chrono::milliseconds kGather{200};
 // A correction that is not applied by then is taken for lost.
 constexpr std::chrono::seconds kPatience{5};
 constexpr std::chrono::milliseconds kLongestSleep{1000};
+constexpr std::size_t kMostWaiting = 1000;  // a sender may invent sessions
 
 }  // namespace
 
@@ -88,14 +89,17 @@ void DownlinkThread::TakeNews() {
 
 void DownlinkThread::SendAll() {
   const auto state = service_.State();
+  std::size_t waiting = 0;
   for (auto line = lines_.begin(); line != lines_.end();) {
     const auto session = state->ingest.sessions.find(line->first);
-    if (session == state->ingest.sessions.end() || !session->second.alive()) {
-      line = lines_.erase(line);
-      continue;
+    const bool alive = session != state->ingest.sessions.end() && session->second.alive();
+    if (alive) {
+      line->second.was_alive = true;
+      SendTo(line->first, line->second, state->ingest);
     }
-    SendTo(line->first, line->second, state->ingest);
-    ++line;
+    // What an agent is interested in may come before its session: it is not said again while the camera rests.
+    const bool waits = !alive && !line->second.was_alive && ++waiting <= kMostWaiting;
+    line = alive || waits ? std::next(line) : lines_.erase(line);
   }
 }
 

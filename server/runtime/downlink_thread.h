@@ -46,6 +46,7 @@ class DownlinkThread {
   struct Line {
     SessionDownlink downlink;
     Clock::time_point sent{};
+    bool was_alive = false;  // its session, since the line is there
   };
   // What came for a session that the thread has not seen yet.
   struct News {

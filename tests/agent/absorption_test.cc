@@ -13,6 +13,7 @@
 #include "common/map/forgetting.h"
 #include "tests/agent/absorption_model_server.h"
 #include "tests/agent/uplink_random_history.h"
+#include "tests/map/small_world.h"
 
 namespace pangaea {
 namespace {
@@ -167,6 +168,27 @@ std::vector<std::string> Differences(const Atlas& agent, const Atlas& server) {
 }
 
 class AbsorptionHistory : public testing::TestWithParam<std::uint64_t> {};
+
+// The server takes a sighting away from a landmark, and then makes it one with another that the same keyframe sees.
+TEST(Absorption, AKeypointThatALandmarkGetsByFusionInPlaceOfALostOneIsItsOwn) {
+  SmallWorld world = RowOfThree();
+  world.Add(L(7), K(2), 7);
+  world.Observe(L(7), K(3), 7);
+  const Atlas agent = world.atlas;
+  world.Do(RemoveObservation{L(1), K(2)});
+  world.Do(FuseLandmarks{L(1), L(7)});
+  ASSERT_EQ(world.Get(K(2)).landmarks[7], L(1));
+  PieceSelection selection;
+  selection.map = M(1);
+  selection.keyframes = {K(1), K(2), K(3)};
+  selection.held = {K(1), K(2), K(3)};
+  selection.landmarks = {L(1)};
+  selection.former_landmarks = {L(7)};
+  const std::vector<MapPiece> pieces = {CutPiece(world.atlas, selection)};
+  const Absorption absorption = PlanAbsorption(agent, {kAnna, 1, agent, pieces});
+  EXPECT_EQ(absorption.after.FindLandmark(L(1))->observations, world.Get(L(1)).observations);
+  EXPECT_EQ(DigestOfSession(absorption.after, kAnna), DigestOfSession(world.atlas, kAnna));
+}
 
 TEST_P(AbsorptionHistory, WhateverTheServerCorrectsAndWheneverItArrivesBothEndWithTheSame) {
   Correspondence pair(GetParam());
