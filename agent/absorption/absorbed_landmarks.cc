@@ -9,8 +9,7 @@ namespace {
 
 class LandmarkAbsorption {
  public:
-  LandmarkAbsorption(const MapPiece& piece, AbsorptionDraft& draft)
-      : piece_(piece), draft_(draft), before_(draft.atlas()) {
+  LandmarkAbsorption(const MapPiece& piece, AbsorptionDraft& draft) : piece_(piece), draft_(draft) {
     for (const FusedLandmark& fused : piece.fused) absorbers_[fused.absorbed] = fused.kept;
   }
 
@@ -94,7 +93,7 @@ class LandmarkAbsorption {
   // Whether the agent had told the server of it, and does not say so any more. What this absorption took itself is no
   // word of the agent: two that are fused and seen by one keyframe lose one of the two sightings.
   bool WasTakenBack(const Observation& observation, LandmarkId landmark) const {
-    return WasTold(observation, landmark) && !Shows(before_, observation, landmark);
+    return WasTold(observation, landmark) && !Shows(draft_.before(), observation, landmark);
   }
 
   bool Shows(const Atlas& atlas, const Observation& observation, LandmarkId landmark) const {
@@ -161,7 +160,6 @@ class LandmarkAbsorption {
 
   const MapPiece& piece_;
   AbsorptionDraft& draft_;
-  const Atlas before_;  // as it was before anything became of its landmarks
   std::map<LandmarkId, LandmarkId> absorbers_;
   MoveLandmarks points_;
 };

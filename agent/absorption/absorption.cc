@@ -98,13 +98,14 @@ void InsertKeyframes(const MapPiece& piece, MapId host, AbsorptionDraft& draft) 
 Absorption PlanAbsorption(const Atlas& atlas, const AbsorptionInput& input) {
   AbsorptionDraft draft(atlas, input);
   for (const MapPiece& piece : input.pieces) {
-    MapId host = JoinMaps(piece, draft);
+    const MapId host = JoinMaps(piece, draft);
     if (host.valid()) MoveToServersFrame(piece, host, draft);
-    RemoveCulled(piece, draft);  // from where the server has them, so that what they forward to is the same
-    if (draft.atlas().FindMap(host) == nullptr) host = {};  // its last keyframe went
     InsertKeyframes(piece, host, draft);
     AbsorbLandmarks(piece, draft);
   }
+  // From where the server has them, so that what they forward to is the same; and once their landmarks have found other
+  // observers, in whatever piece.
+  for (const MapPiece& piece : input.pieces) RemoveCulled(piece, draft);
   return std::move(draft).Take();
 }
 

@@ -12,8 +12,9 @@ namespace pangaea {
 // An absorption in the making: the atlas as it will be, and the edits that lead there.
 class AbsorptionDraft {
  public:
-  AbsorptionDraft(const Atlas& atlas, const AbsorptionInput& input) : input_(input), atlas_(atlas) {}
+  AbsorptionDraft(const Atlas& atlas, const AbsorptionInput& input) : input_(input), before_(atlas), atlas_(atlas) {}
 
+  const Atlas& before() const { return before_; }  // the absorption
   const Atlas& atlas() const { return atlas_; }
   const AbsorptionInput& input() const { return input_; }
   bool IsOwn(KeyframeId id) const { return id.session == input_.session; }
@@ -24,6 +25,7 @@ class AbsorptionDraft {
 
  private:
   const AbsorptionInput& input_;
+  const Atlas before_;
   Atlas atlas_;
   std::vector<MapEdit> edits_;
 };
@@ -32,9 +34,9 @@ class AbsorptionDraft {
 // it yet.
 MapId JoinMaps(const MapPiece& piece, AbsorptionDraft& draft);
 void MoveToServersFrame(const MapPiece& piece, MapId host, AbsorptionDraft& draft);
-void RemoveCulled(const MapPiece& piece, AbsorptionDraft& draft);
 void InsertKeyframes(const MapPiece& piece, MapId host, AbsorptionDraft& draft);
 void AbsorbLandmarks(const MapPiece& piece, AbsorptionDraft& draft);
+void RemoveCulled(const MapPiece& piece, AbsorptionDraft& draft);
 
 // The entry of a piece for an id; nullptr where it is not listed.
 const PieceKeyframe* FindIn(const MapPiece& piece, KeyframeId id);

@@ -46,7 +46,7 @@ class CorrectingServer {
 
   // Something of its own.
   void Work() {
-    switch (Below(8)) {
+    switch (Below(9)) {
       case 0:
       case 1:
         return Correct();
@@ -60,6 +60,8 @@ class CorrectingServer {
         return Remove();
       case 6:
         return Cull();
+      case 7:
+        return FuseTwoOfAKeyframe();
       default:
         return Merge();
     }
@@ -222,6 +224,29 @@ class CorrectingServer {
     landmarks_.insert(own_id);
     landmarks_.insert(other_id);
     for (const Observation& observation : observers) keyframes_.insert(observation.keyframe);
+  }
+
+  // Of two that one keyframe sees, the one that stays may have lost its sighting there before: then it gets the
+  // other's.
+  void FuseTwoOfAKeyframe() {
+    const Keyframe* keyframe = Any(Keyframes(session_));
+    if (keyframe == nullptr) return;
+    const KeyframeId id = keyframe->id;
+    std::vector<LandmarkId> seen;
+    for (const LandmarkId landmark : keyframe->landmarks) {
+      if (landmark.valid()) seen.push_back(landmark);
+    }
+    if (seen.size() < 2) return;
+    std::shuffle(seen.begin(), seen.end(), random_);
+    if (atlas.FindLandmark(seen[0])->observations.size() > 1 && Below(2) == 0) Do(RemoveObservation{seen[0], id});
+    for (const LandmarkId landmark : {seen[0], seen[1]}) {
+      landmarks_.insert(landmark);
+      for (const Observation& observation : atlas.FindLandmark(landmark)->observations) {
+        if (observation.keyframe.session == session_) keyframes_.insert(observation.keyframe);
+      }
+    }
+    keyframes_.insert(id);
+    Do(FuseLandmarks{seen[0], seen[1]});
   }
 
   void Observe() {

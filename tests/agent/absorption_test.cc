@@ -203,7 +203,8 @@ TEST_P(AbsorptionHistory, WhateverTheServerCorrectsAndWheneverItArrivesBothEndWi
   EXPECT_EQ(pair.stream.repairs(), 0U);
   EXPECT_TRUE(CheckConsistency(pair.agent.atlas()).empty());
   EXPECT_TRUE(CheckConsistency(pair.server.atlas).empty());
-  EXPECT_EQ(DigestOfSession(pair.agent.atlas(), kSession), DigestOfSession(pair.server.atlas, kSession));
+  EXPECT_EQ(DigestOfSession(pair.agent.atlas(), kSession), DigestOfSession(pair.server.atlas, kSession))
+      << testing::PrintToString(Differences(pair.agent.atlas(), pair.server.atlas));
   EXPECT_GT(pair.server.atlas.keyframe_count(kSession), 0U);
 }
 
