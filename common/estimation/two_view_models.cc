@@ -202,4 +202,13 @@ std::optional<TwoViewModel> FindEssentialMatrix(const IdealCamera& camera, std::
   return Search<EssentialJudge>(camera, matches).Run(options, seed);
 }
 
+std::vector<std::uint8_t> EpipolarInliers(const IdealCamera& camera, std::span<const PixelMatch> matches,
+                                          const Rigid3d& second_from_first) {
+  const Eigen::Matrix3d essential =
+      Skew(second_from_first.translation()) * second_from_first.rotation().toRotationMatrix();
+  std::vector<std::uint8_t> inliers(matches.size());
+  EssentialJudge(camera).Score(essential, matches, 1.0, inliers);
+  return inliers;
+}
+
 }  // namespace pangaea

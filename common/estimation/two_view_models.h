@@ -38,5 +38,8 @@ std::optional<TwoViewModel> FindHomography(const IdealCamera& camera, std::span<
 // A scene with depth, seen from two places.
 std::optional<TwoViewModel> FindEssentialMatrix(const IdealCamera& camera, std::span<const PixelMatch> matches,
                                                 const TwoViewRansacOptions& options, std::uint64_t seed);
+// Per match, 1 where it is an inlier of the essential matrix of this motion, by the test of FindEssentialMatrix.
+std::vector<std::uint8_t> EpipolarInliers(const IdealCamera& camera, std::span<const PixelMatch> matches,
+                                          const Rigid3d& second_from_first);
 
 }  // namespace pangaea

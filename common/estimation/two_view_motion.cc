@@ -166,8 +166,8 @@ class Reconstructor {
     return hypothesis;
   }
 
-  // To all that the adjusted motion explains in turn, until that is what it was adjusted to: the sample that found the
-  // motion no longer matters.
+  // To all that the adjusted motion explains in turn, until that is what it was adjusted to: which sample found the
+  // motion matters no longer, as a rule.
   tl::expected<TwoViewReconstruction, TwoViewRefusal> Adjust(Hypothesis hypothesis, bool planar) const {
     const std::vector<std::uint8_t> all(matches_.size(), 1);
     TwoViewReconstruction result;
@@ -177,6 +177,9 @@ class Reconstructor {
       if (std::ranges::equal(next.points, hypothesis.points, {}, &TwoViewPoint::match, &TwoViewPoint::match)) break;
       hypothesis = std::move(next);
     }
+    // A point may lie between two rays that pass each other: as strict as where the motion was sought.
+    const std::vector<std::uint8_t> inliers = EpipolarInliers(camera_, matches_, result.second_from_first);
+    std::erase_if(result.points, [&](const TwoViewPoint& point) { return inliers[point.match] == 0; });
     result.planar = planar;
     return Finish(std::move(result));
   }

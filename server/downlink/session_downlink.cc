@@ -62,9 +62,7 @@ std::optional<AgentCorrection> SessionDownlink::Next(const SessionView& view) {
   correction.version = *version;
   correction.acknowledged = view.acknowledged;
   for (const MapId map : ConcernedMaps(view.atlas)) {
-    MapPiece piece = PieceOf(map, view, new_guests);
-    // What is gone without a trace is of no map: it is told once.
-    if (!correction.pieces.empty()) piece.removed.clear();
+    MapPiece piece = PieceOf(map, view, new_guests, correction.pieces.empty());
     if (!piece.empty()) correction.pieces.push_back(std::move(piece));
   }
   sent_ = Told{view.atlas, *version, view.position, view.correction, new_guests, place_};
@@ -138,7 +136,8 @@ bool SessionDownlink::WasSeparated(const Atlas& atlas, KeyframeId guest) const {
 // All keyframes of the session in the map, what it holds of others, and what is new to it. A keyframe without its
 // features is 60 bytes: which of them the agent knows in which state is not worth finding out. Of what it has forgotten
 // it needs to know no more than where it is.
-MapPiece SessionDownlink::PieceOf(MapId map, const SessionView& view, const std::vector<KeyframeId>& new_guests) const {
+MapPiece SessionDownlink::PieceOf(MapId map, const SessionView& view, const std::vector<KeyframeId>& new_guests,
+                                  bool is_first) const {
   const Atlas& atlas = view.atlas;
   const KnownState known = confirmed_ ? KnownState{&confirmed_->atlas, confirmed_->position}
                                       : KnownState{nullptr, PositionOf(interest_->applied_version)};
@@ -160,6 +159,8 @@ MapPiece SessionDownlink::PieceOf(MapId map, const SessionView& view, const std:
   std::erase_if(seen_from, [&](KeyframeId id) { return !fresh.contains(id) && !Holds(id); });
   selection.landmarks = ChangedLandmarks(atlas, known, seen_from, fresh);
   selection.former_landmarks = FormerLandmarks(atlas, known, session_);
+  // What is gone without a trace is of no map: one piece tells it.
+  if (!is_first) std::erase_if(selection.former_landmarks, [&](LandmarkId id) { return !atlas.Resolve(id).valid(); });
   std::ranges::copy_if(selection.landmarks, std::back_inserter(selection.released_landmarks),
                        [&](LandmarkId id) { return atlas.MapOf(*atlas.FindLandmark(id)) != map; });
   selection.culled = GoneKeyframes(atlas, known, session_, interest_->guests);

@@ -64,7 +64,7 @@ class SessionDownlink {
   bool WasSeparated(const Atlas& atlas, KeyframeId guest) const;
   // Whether the agent has what the keyframe saw.
   bool Holds(KeyframeId id) const;
-  MapPiece PieceOf(MapId map, const SessionView& view, const std::vector<KeyframeId>& new_guests) const;
+  MapPiece PieceOf(MapId map, const SessionView& view, const std::vector<KeyframeId>& new_guests, bool is_first) const;
 
   SessionId session_;
   GuestOptions options_;

@@ -281,6 +281,25 @@ TEST(SessionDownlink, TheFirstCorrectionTellsOfAllThatIsGone) {
   EXPECT_TRUE(second->pieces[0].culled.empty());
 }
 
+TEST(SessionDownlink, OfSeveralMapsOneTellsWhatIsGoneAndEachWhatWasFusedInIt) {
+  SmallWorld world = RowOfThree();
+  world.Root(K(10), M(2));
+  world.Child(K(11), K(10), M(2));
+  world.Add(L(20), K(10), 1);
+  world.Add(L(21), K(10), 2);
+  SessionDownlink downlink(kAnna, {.wanted = 0});
+  downlink.Take(Interest(kAnna, 0));
+  world.Do(MoveKeyframes{{{K(2), MakePose(0.1, 1, 0, 0)}, {K(11), MakePose(0.1, 1, 0, 0)}}, 10});
+  world.Do(RemoveLandmark{L(1)});
+  world.Do(FuseLandmarks{L(20), L(21)});
+  const auto correction = downlink.Next(View(world, 10, 10));
+  ASSERT_TRUE(correction);
+  ASSERT_EQ(correction->pieces.size(), 2u);
+  EXPECT_EQ(correction->pieces[0].removed, std::vector{L(1)});
+  EXPECT_TRUE(correction->pieces[1].removed.empty());
+  EXPECT_EQ(correction->pieces[1].fused, (std::vector<FusedLandmark>{{L(21), L(20)}}));
+}
+
 TEST(SessionDownlink, AfterARestartOfTheServerTheAgentIsToldWhatIsNewerThanWhatItApplied) {
   SmallWorld world = TwoSessions();
   Merge(world, 10);
