@@ -21,6 +21,15 @@ Status ComparisonAgendaOptions::Check() const {
   return RangeCheck("map comparison").In("min_keyframes", min_keyframes, 1, RangeCheck::kUnlimited).status();
 }
 
+std::set<MapId> MapsInWork(const IngestState& state) {
+  std::set<MapId> maps;
+  for (const auto& [id, session] : state.sessions) {
+    if (!session.alive()) continue;
+    state.atlas.ForEachKeyframe(id, [&](const Keyframe& keyframe) { maps.insert(keyframe.map); });
+  }
+  return maps;
+}
+
 bool ComparisonAgenda::IsComparable(const Atlas& atlas, MapId map) const {
   return atlas.FindMap(map)->keyframes >= options_.min_keyframes && IsMetric(atlas, map);
 }

@@ -10,6 +10,7 @@
 
 #include "common/base/result.h"
 #include "common/map/atlas.h"
+#include "server/ingest/ingest_round.h"
 
 namespace pangaea {
 
@@ -19,6 +20,9 @@ struct ComparisonAgendaOptions {
 
   Status Check() const;
 };
+
+// The maps in which a living session has a part.
+std::set<MapId> MapsInWork(const IngestState& state);
 
 // Which maps are to be compared with each other as wholes: two that no keyframe has joined and that are both over, that
 // is closed by their agents or left by them, when the later of them is. While a map grows, a part of it may look like a

@@ -18,16 +18,6 @@ namespace {
 // Behind ingest and whatever agents run on the same machine, before bundle adjustment.
 constexpr int kNice = 5;
 
-// Those in which a living session has a part.
-std::set<MapId> MapsInWork(const IngestState& state) {
-  std::set<MapId> maps;
-  for (const auto& [id, session] : state.sessions) {
-    if (!session.alive()) continue;
-    state.atlas.ForEachKeyframe(id, [&](const Keyframe& keyframe) { maps.insert(keyframe.map); });
-  }
-  return maps;
-}
-
 }  // namespace
 
 RecognitionThread::RecognitionThread(const AtlasService& service, std::shared_ptr<const VocabularyTree> vocabulary,

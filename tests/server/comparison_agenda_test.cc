@@ -132,5 +132,24 @@ TEST_F(ComparisonAgendaTest, MapsThatWereJoinedMeanwhileAreLeftOut) {
   EXPECT_FALSE(agenda_.Next(world_.atlas));
 }
 
+TEST(MapsInWork, AreThoseOfSessionsWhoseAgentsLive) {
+  SmallWorld world = RowOfThree();
+  world.Root(K(1, kBert), M(1, kBert));
+  IngestState state;
+  for (const SessionId id : {kAnna, kBert}) {
+    SessionRecord record;
+    record.announcement.session = id;
+    state.sessions.emplace(id, IngestSession(std::move(record)));
+  }
+  state.atlas = world.atlas;
+  EXPECT_TRUE(MapsInWork(state).empty()) << "both are known from the store alone";
+  SessionAnnouncement anna = state.sessions.at(kAnna).record().announcement;
+  ASSERT_TRUE(state.sessions.at(kAnna).Announce(anna, {1, 100}));
+  EXPECT_EQ(MapsInWork(state), std::set{M(1)});
+  anna.closed = true;
+  ASSERT_TRUE(state.sessions.at(kAnna).Announce(anna, {1, 100}));
+  EXPECT_TRUE(MapsInWork(state).empty());
+}
+
 }  // namespace
 }  // namespace pangaea
