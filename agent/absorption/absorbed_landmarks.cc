@@ -18,6 +18,7 @@ class LandmarkAbsorption {
       if (draft_.atlas().FindLandmark(id) != nullptr) draft_.Emit(RemoveLandmark{id});
     }
     for (const FusedLandmark& fused : piece_.fused) Fuse(fused);
+    if (draft_.input().complete) DropUnlisted();
     for (const PieceLandmark& listed : piece_.landmarks) {
       if (!Insert(listed)) continue;
       DropObservations(listed);
@@ -36,6 +37,24 @@ class LandmarkAbsorption {
     return keyframe->landmarks[observation.keypoint];
   }
 
+  // What keyframes of the session observe and the piece does not list, and what became one here and is two there.
+  void DropUnlisted() {
+    for (const PieceKeyframe& keyframe : piece_.keyframes) {
+      if (!draft_.IsOwn(keyframe.id) || atlas().FindKeyframe(keyframe.id) == nullptr) continue;
+      const std::vector<LandmarkId> seen = atlas().FindKeyframe(keyframe.id)->landmarks;
+      for (std::uint32_t i = 0; i < seen.size(); ++i) {
+        if (!seen[i].valid()) continue;
+        const PieceLandmark* listed = FindIn(piece_, seen[i]);
+        if (listed != nullptr && Holds(listed->observations, {keyframe.id, i})) continue;
+        draft_.Emit(RemoveObservation{seen[i], keyframe.id});
+      }
+    }
+    for (const PieceLandmark& listed : piece_.landmarks) {
+      const LandmarkId survivor = atlas().Resolve(listed.id);
+      if (survivor.valid() && survivor != listed.id) draft_.Emit(RemoveLandmark{survivor});
+    }
+  }
+
   void Fuse(const FusedLandmark& fused) {
     if (atlas().FindLandmark(fused.absorbed) == nullptr) return;
     const PieceLandmark* kept = FindIn(piece_, fused.kept);
@@ -49,7 +68,8 @@ class LandmarkAbsorption {
     if (atlas().FindLandmark(listed.id) != nullptr) return true;
     if (atlas().Resolve(listed.id).valid()) return false;  // fused here since
     // The server had it and it is gone here: its agent removed it since. What was forgotten leaves no trace.
-    if (draft_.input().base.FindLandmark(listed.id) != nullptr && atlas().Knows(listed.id)) return false;
+    if (!draft_.input().complete && draft_.told().FindLandmark(listed.id) != nullptr && atlas().Knows(listed.id))
+      return false;
     std::vector<Observation> seats = listed.observations;
     std::stable_partition(seats.begin(), seats.end(),
                           [&](const Observation& o) { return o.keyframe == listed.reference; });
@@ -87,7 +107,7 @@ class LandmarkAbsorption {
 
   // Whether the server had been told that the keypoint shows the landmark, or one that it has fused into it.
   bool WasTold(const Observation& observation, LandmarkId landmark) const {
-    return Shows(draft_.input().base, observation, landmark);
+    return Shows(draft_.told(), observation, landmark);
   }
 
   // Whether the agent had told the server of it, and does not say so any more. What this absorption took itself is no
@@ -138,7 +158,7 @@ class LandmarkAbsorption {
 
   // Whether the server was told of the landmark as one made at that keypoint, and has it no more.
   bool WasMadeAt(const Observation& seat, LandmarkId landmark) const {
-    const Landmark* told = draft_.input().base.FindLandmark(landmark);
+    const Landmark* told = draft_.told().FindLandmark(landmark);
     return told != nullptr && told->reference == seat.keyframe && FindIn(piece_, landmark) == nullptr;
   }
 

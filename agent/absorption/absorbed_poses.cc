@@ -44,7 +44,7 @@ class Destinations {
     const double scale = listed.scale / keyframe.scale;
     if (!draft_.IsOwn(keyframe.id) || listed.corrected_at != 0) return {listed.camera_from_map, scale, true, true};
     // Still its agent's to move: what it did since the server was told stays, on top.
-    const Keyframe* told = draft_.input().base.FindKeyframe(keyframe.id);
+    const Keyframe* told = draft_.told().FindKeyframe(keyframe.id);
     if (told == nullptr || SameBits(told->camera_from_map, keyframe.camera_from_map)) {
       return {listed.camera_from_map, scale, true, false};
     }

@@ -49,7 +49,7 @@ void PlaceExactly(const PieceKeyframe& listed, AbsorptionDraft& draft) {
 
 // It was forgotten before the server made the piece. Of what was forgotten since, it says what is no longer wanted.
 bool IsAskedBack(const Keyframe& keyframe, const AbsorptionDraft& draft) {
-  const Keyframe* told = draft.input().base.FindKeyframe(keyframe.id);
+  const Keyframe* told = draft.told().FindKeyframe(keyframe.id);
   return IsForgotten(keyframe) && told != nullptr && IsForgotten(*told);
 }
 

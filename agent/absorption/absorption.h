@@ -19,6 +19,9 @@ struct AbsorptionInput {
   // what earlier corrections said. Tells what the server changed since from what the agent did.
   const Atlas& base;
   std::span<const MapPiece> pieces;
+  // The pieces list all that the session's keyframes observe, and what is otherwise in the atlas gives way: the agent
+  // did nothing that they do not know (AgentCorrection::complete).
+  bool complete = false;
 };
 
 struct Absorption {

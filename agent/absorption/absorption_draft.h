@@ -17,6 +17,8 @@ class AbsorptionDraft {
   const Atlas& before() const { return before_; }  // the absorption
   const Atlas& atlas() const { return atlas_; }
   const AbsorptionInput& input() const { return input_; }
+  // What the server had been told when it cut the pieces. Of pieces that are complete: all there is.
+  const Atlas& told() const { return input_.complete ? before_ : input_.base; }
   bool IsOwn(KeyframeId id) const { return id.session == input_.session; }
 
   // False, and left out, where the edit does not fit.

@@ -98,7 +98,7 @@ void LocalMapper::CloseMap(MapId map) {
 }
 
 void LocalMapper::Absorb(const AgentCorrection& correction, const Atlas& base) {
-  const AbsorptionInput input{session_, correction.version, base, correction.pieces};
+  const AbsorptionInput input{session_, correction.version, base, correction.pieces, correction.complete};
   Absorption absorption = PlanAbsorption(atlas_, input);
   atlas_ = std::move(absorption.after);
   std::move(absorption.edits.begin(), absorption.edits.end(), std::back_inserter(pending_edits_));

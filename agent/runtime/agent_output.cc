@@ -96,6 +96,7 @@ nlohmann::json ReportOf(const AgentRun& run) {
       {"rejections", run.uplink.rejections},
       {"repairs", run.uplink.repairs},
       {"corrections", run.uplink.corrections},
+      {"complete_corrections", run.uplink.complete_corrections},
       {"bytes_received", run.uplink.bytes_received},
       {"guest_keyframes", run.atlas->keyframe_count() - run.atlas->keyframe_count(run.session)},
       {"own_landmarks", run.atlas->landmark_count(run.session)},

@@ -9,7 +9,7 @@ Status Downlink::Receive(CorrectionPart part, const EditStream& stream) {
   auto correction = assembly_.Take(std::move(part));
   if (!correction) return tl::make_unexpected(correction.error());
   if (!correction->has_value() || stream.IsTooOld(**correction)) return {};
-  waiting_.push_back(std::make_shared<const AgentCorrection>(std::move(**correction)));
+  waiting_.push_back(std::make_shared<AgentCorrection>(std::move(**correction)));
   return {};
 }
 
@@ -17,6 +17,7 @@ void Downlink::OnAck(const EditAck& ack) {
   MutexLock lock(mutex_);
   newest_version_ = std::max(newest_version_, ack.correction_version);
   server_works_ = ack.working;
+  agreed_claim_ = std::max(agreed_claim_, ack.agreed_claim);
   changed_.notify_all();
 }
 
@@ -24,7 +25,13 @@ void Downlink::OnServerLost() {
   MutexLock lock(mutex_);
   newest_version_ = absorbed_version_;
   server_works_ = false;
+  agreed_claim_ = claimed_;
   changed_.notify_all();
+}
+
+void Downlink::OnClaim(std::uint64_t number) {
+  MutexLock lock(mutex_);
+  claimed_ = number;
 }
 
 void Downlink::Offer(EditStream& stream) {
@@ -34,6 +41,8 @@ void Downlink::Offer(EditStream& stream) {
   auto base = stream.BaseOf(*waiting_.front());
   if (!base) return;
   offered_ = true;
+  // What was sent since, it does not know.
+  waiting_.front()->complete &= waiting_.front()->acknowledged == stream.retained().last_sequence();
   MutexLock lock(mutex_);
   ready_ = ReadyCorrection{std::move(waiting_.front()), std::move(*base)};
   waiting_.pop_front();
@@ -54,7 +63,10 @@ std::optional<ReadyCorrection> Downlink::Take() {
 
 bool Downlink::Await(Time deadline) {
   MutexLock lock(mutex_);
-  while (!ready_ && !hurried_ && (server_works_ || newest_version_ > absorbed_version_)) {
+  const auto is_settled = [this]() REQUIRES(mutex_) {
+    return !server_works_ && newest_version_ <= absorbed_version_ && agreed_claim_ >= claimed_;
+  };
+  while (!ready_ && !hurried_ && !is_settled()) {
     if (std::chrono::steady_clock::now() >= deadline) return false;
     changed_.wait_until(mutex_, deadline);
   }

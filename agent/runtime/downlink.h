@@ -24,6 +24,8 @@ class Downlink {
   Status Receive(CorrectionPart part, const EditStream& stream);
   void OnAck(const EditAck& ack) EXCLUDES(mutex_);
   void OnServerLost() EXCLUDES(mutex_);
+  // The server was asked whether this claim is true: Await waits for what it says.
+  void OnClaim(std::uint64_t number) EXCLUDES(mutex_);
   void Offer(EditStream& stream) EXCLUDES(mutex_);
   // Mapping's batch with the correction that was taken has come.
   void OnAbsorbed(std::uint64_t version) EXCLUDES(mutex_);
@@ -36,7 +38,7 @@ class Downlink {
  private:
   // The uplink thread's own.
   CorrectionAssembly assembly_;
-  std::deque<std::shared_ptr<const AgentCorrection>> waiting_;
+  std::deque<std::shared_ptr<AgentCorrection>> waiting_;
   bool offered_ = false;  // and not yet absorbed
 
   Mutex mutex_;
@@ -45,6 +47,8 @@ class Downlink {
   std::uint64_t absorbed_version_ GUARDED_BY(mutex_) = 0;
   std::uint64_t newest_version_ GUARDED_BY(mutex_) = 0;  // the server has told of, in whatever way
   bool server_works_ GUARDED_BY(mutex_) = false;
+  std::uint64_t claimed_ GUARDED_BY(mutex_) = 0;
+  std::uint64_t agreed_claim_ GUARDED_BY(mutex_) = 0;
   bool hurried_ GUARDED_BY(mutex_) = false;
 };
 

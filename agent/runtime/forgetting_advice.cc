@@ -5,9 +5,11 @@
 namespace pangaea {
 
 std::optional<MapInterest> ForgettingAdvice::NextInterest(const Atlas& snapshot, const Atlas& confirmed,
-                                                          KeyframeId reference, std::uint64_t version) {
+                                                          KeyframeId reference, std::uint64_t version,
+                                                          const DigestClaim& claim) {
   MapInterest interest = InterestOf(session_, snapshot, confirmed, reference, options_);
   interest.applied_version = version;
+  interest.claim = claim;
   if (interest == interest_) return std::nullopt;
   interest_ = interest;
   return interest;

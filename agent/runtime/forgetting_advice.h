@@ -19,7 +19,7 @@ class ForgettingAdvice {
   // The uplink thread alone. `snapshot` is the agent's atlas, `confirmed` what the server has for certain, `reference`
   // what the camera is near to, `version` of the newest correction absorbed. Nothing where the server knows it.
   std::optional<MapInterest> NextInterest(const Atlas& snapshot, const Atlas& confirmed, KeyframeId reference,
-                                          std::uint64_t version);
+                                          std::uint64_t version, const DigestClaim& claim = {});
   // The uplink thread alone.
   void Choose(const Atlas& snapshot, const Atlas& confirmed, KeyframeId reference) EXCLUDES(mutex_);
 

@@ -18,6 +18,7 @@
 #include "common/base/bounded_queue.h"
 #include "common/base/mutex.h"
 #include "common/dds/waiter.h"
+#include "common/map/digest.h"
 #include "common/wire/edit_ack.h"
 #include "common/wire/envelope.h"
 
@@ -28,6 +29,8 @@ using Clock = std::chrono::steady_clock;
 
 // How long the announcement of the end may take to reach the server.
 constexpr std::chrono::milliseconds kGoodbye{500};
+// Two that do not agree after so many complete corrections never will.
+constexpr std::uint64_t kMostCompleteCorrections = 3;
 
 struct FlushRequest {
   UplinkBatch batch;
@@ -160,7 +163,9 @@ class UplinkLoop final : public UplinkThread {
       stream_.Absorb(*batch.absorbed);
       downlink_.OnAbsorbed(stream_.version());
       ++local_.corrections;
+      if (batch.absorbed->complete) ++local_.complete_corrections;
     }
+    reference_ = batch.reference;
     local_.forgotten += batch.forgotten.size();
     if (const auto interest =
             advice_.NextInterest(*batch.snapshot, stream_.confirmed(), batch.reference, stream_.version())) {
@@ -222,8 +227,26 @@ class UplinkLoop final : public UplinkThread {
 
   void FinishFlush() {
     if (!flush_) return;
-    if (stream_.finished()) return stream_.gave_up() ? EndFlush(Refused()) : EndFlush(stream_.own_edits());
+    if (stream_.finished() && stream_.gave_up()) return EndFlush(Refused());
+    if (stream_.finished()) {
+      Claim();
+      return EndFlush(stream_.own_edits());
+    }
     if (hurried_ || Clock::now() >= flush_->deadline) EndFlush(Unsent("in time"));
+  }
+
+  // That both hold the same now.
+  void Claim() {
+    if (local_.complete_corrections >= kMostCompleteCorrections) {
+      local_.last_error = "the server's map still differs from this agent's after complete corrections";
+      return spdlog::warn("{}", local_.last_error);
+    }
+    const DigestClaim claim{++claims_, stream_.retained().last_sequence(),
+                            DigestOfSession(stream_.snapshot(), session_.session)};
+    const auto interest =
+        advice_.NextInterest(stream_.snapshot(), stream_.confirmed(), reference_, stream_.version(), claim);
+    downlink_.OnClaim(claim.number);
+    NoteFailure(endpoints_.interest.Write(*interest));  // there is one: no two claims are the same
   }
 
   void EndFlush(Result<std::vector<MapEdit>> result) {
@@ -288,6 +311,8 @@ class UplinkLoop final : public UplinkThread {
   ForgettingAdvice advice_;
   EnvelopeSender sender_;
   std::optional<FlushRequest> flush_;
+  KeyframeId reference_;  // of the newest batch
+  std::uint64_t claims_ = 0;
   UplinkCounters local_;
   bool told_refused_ = false;
   bool hurried_ = false;

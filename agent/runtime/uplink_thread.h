@@ -53,11 +53,12 @@ struct UplinkCounters {
   std::uint64_t acknowledged = 0;
   std::uint64_t resends = 0;  // how often it went back to the last ack
   std::uint64_t rejections = 0;
-  std::uint64_t corrections = 0;         // absorbed
-  std::uint64_t correction_version = 0;  // of the newest absorbed
-  std::uint64_t bytes_received = 0;      // octets of corrections
-  std::uint64_t forgotten = 0;           // keyframes, each time that one was
-  std::uint64_t repairs = 0;             // how often it planned anew what was missing after rejections
+  std::uint64_t corrections = 0;           // absorbed
+  std::uint64_t complete_corrections = 0;  // of these, answers to a claim that was wrong
+  std::uint64_t correction_version = 0;    // of the newest absorbed
+  std::uint64_t bytes_received = 0;        // octets of corrections
+  std::uint64_t forgotten = 0;             // keyframes, each time that one was
+  std::uint64_t repairs = 0;               // how often it planned anew what was missing after rejections
   bool server_present = false;
   bool server_seen = false;  // at any time
   std::string last_error;    // empty: none
@@ -75,7 +76,8 @@ class UplinkThread {
   // Waits only while `queue_batches` are waiting already. False after Stop.
   virtual bool Submit(UplinkBatch batch) = 0;
 
-  // Sends everything in `batch` exactly and waits until the server acknowledged it. Returns the edits the agent applies
+  // Sends everything in `batch` exactly and waits until the server acknowledged it; then asks it whether both hold the
+  // same now (DigestClaim), for AwaitCorrection to wait for what it says. Returns the edits the agent applies
   // to its own atlas so that it equals the server's bit by bit on the digest's grid; usually none. kUnavailable when
   // the time is over first: what is not acknowledged is then in the spill file, which the message names. kRefused when
   // the server rejects something for good.
@@ -86,8 +88,8 @@ class UplinkThread {
   // Keyframes that the agent should forget now, because the server has them and they are far away: to be named in
   // mapping's next batch. Others are not chosen before.
   virtual std::vector<KeyframeId> TakeForgettable() = 0;
-  // Waits until TakeCorrection has something (true), or until the server has told of everything it changed and works on
-  // nothing that may change more, or the time is over, or somebody hurries (false).
+  // Waits until TakeCorrection has something (true), or until the server has told of everything it changed, works on
+  // nothing that may change more and agrees with the last flush, or the time is over, or somebody hurries (false).
   virtual bool AwaitCorrection(std::chrono::milliseconds patience) = 0;
   // Asks the server where this frame was taken; requests are numbered by who asks. The answer is for TakeAnswer. The
   // place itself comes as a correction.

@@ -96,7 +96,7 @@ std::optional<Atlas> ConfirmedAtlas::At(std::uint64_t sequence) {
 bool ConfirmedAtlas::Absorb(const AgentCorrection& correction) {
   const auto base = At(correction.acknowledged);
   if (!base) return false;
-  const AbsorptionInput input{correction.session, correction.version, *base, correction.pieces};
+  const AbsorptionInput input{correction.session, correction.version, *base, correction.pieces, correction.complete};
   base_ = PlanAbsorption(*base, input).after;
   corrected_ = true;
   atlas_ = base_;

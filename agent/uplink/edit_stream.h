@@ -57,6 +57,8 @@ class EditStream {
   // The agent's atlas has absorbed the correction: so does what is known of the server's. BaseOf gave something before.
   // Follow it with Take of the atlas that absorbed it.
   void Absorb(const AgentCorrection& correction);
+  // The agent's atlas: of the newest Take, with own_edits(). There was one.
+  const Atlas& snapshot() const { return *snapshot_; }
   // What the server has once it took everything sent, as far as is known here.
   const Atlas& mirror() const { return planner_.mirror(); }
   // What it has for certain.

@@ -24,14 +24,15 @@ std::vector<CorrectionPart> SplitCorrection(const AgentCorrection& correction, s
                      static_cast<std::uint32_t>(i),
                      static_cast<std::uint32_t>(count),
                      checksum,
-                     {begin, end}});
+                     {begin, end},
+                     correction.complete});
   }
   return parts;
 }
 
 Result<std::optional<AgentCorrection>> CorrectionAssembly::Take(CorrectionPart part) {
   const auto name = [](const CorrectionPart& p) {
-    return std::tie(p.session, p.server_incarnation, p.version, p.acknowledged, p.parts, p.checksum);
+    return std::tie(p.session, p.server_incarnation, p.version, p.acknowledged, p.parts, p.checksum, p.complete);
   };
   if (part.part == 0) {
     next_ = 0;
@@ -58,8 +59,8 @@ Result<std::optional<AgentCorrection>> CorrectionAssembly::Finish() {
   }
   auto pieces = DecodePieces(whole.octets);
   if (!pieces) return Fail(pieces.error().code, name + ": " + pieces.error().message);
-  return std::optional(
-      AgentCorrection{whole.session, whole.server_incarnation, whole.version, whole.acknowledged, std::move(*pieces)});
+  return std::optional(AgentCorrection{whole.session, whole.server_incarnation, whole.version, whole.acknowledged,
+                                       std::move(*pieces), whole.complete});
 }
 
 }  // namespace pangaea

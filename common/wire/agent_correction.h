@@ -21,6 +21,9 @@ struct AgentCorrection {
   // The state the pieces were cut from holds the session's envelopes up to this sequence and none after it.
   std::uint64_t acknowledged = 0;
   std::vector<MapPiece> pieces;  // one for each map
+  // It lists all that the session's keyframes observe, as far as the agent has not forgotten it, and holds against what
+  // the agent says: the answer to a claim that was wrong.
+  bool complete = false;
 };
 
 // A part of an encoded correction: messages on DDS stay small.
@@ -33,6 +36,7 @@ struct CorrectionPart {
   std::uint32_t parts = 0;
   std::uint64_t checksum = 0;  // Hash64 of the octets of all parts together
   std::vector<std::byte> octets;
+  bool complete = false;
   bool operator==(const CorrectionPart&) const = default;
 };
 

@@ -37,6 +37,8 @@ struct EditAck {
   std::uint64_t correction_version = 0;
   // The server is still at work on something that may correct the session. When that ends it acknowledges once more.
   bool working = false;
+  // The newest claim of the session (MapInterest) that was found true; 0 before any.
+  std::uint64_t agreed_claim = 0;
   bool operator==(const EditAck&) const = default;
 };
 

@@ -130,6 +130,7 @@ pangaea_wire_EditAck BorrowAsIdl(const EditAck& value, std::vector<pangaea_wire_
   sample.server_incarnation = value.server_incarnation;
   sample.rejections = {._maximum = size, ._length = size, ._buffer = rejections.data(), ._release = false};
   sample.correction_version = value.correction_version;
+  sample.agreed_claim = value.agreed_claim;
   sample.working = value.working;
   return sample;
 }
@@ -138,7 +139,8 @@ Result<EditAck> FromIdl(const pangaea_wire_EditAck& sample) {
   if (sample.rejections._length > kMaxRejections) {
     return Fail(ErrorCode::kInvalidArgument, "an ack with more than " + std::to_string(kMaxRejections) + " rejections");
   }
-  EditAck ack{sample.session, sample.up_to, sample.server_incarnation, {}, sample.correction_version, sample.working};
+  EditAck ack{sample.session, sample.up_to,       sample.server_incarnation, {}, sample.correction_version,
+              sample.working, sample.agreed_claim};
   for (std::uint32_t i = 0; i < sample.rejections._length; ++i) {
     const pangaea_wire_Rejection& rejection = sample.rejections._buffer[i];
     auto text = ReadText(rejection.text, "a rejection's text");

@@ -53,6 +53,7 @@ pangaea_wire_CorrectionPart BorrowAsIdl(const CorrectionPart& value) {
   sample.parts = value.parts;
   sample.checksum = value.checksum;
   BorrowOctets(value.octets, sample.octets);
+  sample.complete = value.complete;
   return sample;
 }
 
@@ -66,8 +67,8 @@ Result<CorrectionPart> FromIdl(const pangaea_wire_CorrectionPart& sample) {
                                                  " octets; the limit is " + std::to_string(kMaxCorrectionPartBytes));
   }
   return CorrectionPart{
-      sample.session,  sample.server_incarnation,     sample.version, sample.acknowledged, sample.part, sample.parts,
-      sample.checksum, {octets.begin(), octets.end()}};
+      sample.session,  sample.server_incarnation,      sample.version, sample.acknowledged, sample.part, sample.parts,
+      sample.checksum, {octets.begin(), octets.end()}, sample.complete};
 }
 
 pangaea_wire_MapInterest BorrowAsIdl(const MapInterest& value, std::vector<pangaea_wire_ItemId>& ids) {
@@ -86,6 +87,9 @@ pangaea_wire_MapInterest BorrowAsIdl(const MapInterest& value, std::vector<panga
   borrow(value.guests, sample.guests);
   borrow(value.held, sample.held);
   borrow(value.wanted, sample.wanted);
+  sample.claim = value.claim.number;
+  sample.claim_sequence = value.claim.sequence;
+  sample.claim_digest = value.claim.digest;
   return sample;
 }
 
@@ -101,6 +105,7 @@ Result<MapInterest> FromIdl(const pangaea_wire_MapInterest& sample) {
     }
     for (std::uint32_t i = 0; i < count; ++i) to->push_back(IdOf<KeyframeId>(from->_buffer[i]));
   }
+  interest.claim = {sample.claim, sample.claim_sequence, sample.claim_digest};
   const auto can_be = [](const std::vector<KeyframeId>& ids) {
     return std::all_of(ids.begin(), ids.end(), [](KeyframeId id) { return CheckNewId(id).has_value(); });
   };

@@ -7,6 +7,14 @@
 
 namespace pangaea {
 
+// What an agent believes that it and the server have in common.
+struct DigestClaim {
+  std::uint64_t number = 0;    // of the session's claims, from 1; 0: it claims nothing
+  std::uint64_t sequence = 0;  // of the newest envelope that the digest counts in
+  std::uint64_t digest = 0;    // DigestOfSession, of its own atlas
+  bool operator==(const DigestClaim&) const = default;
+};
+
 // Where an agent is and what it holds of others, so that the server can send it what it lacks.
 struct MapInterest {
   SessionId session = 0;
@@ -18,6 +26,7 @@ struct MapInterest {
   // higher counters, which are newer than this. Empty: all of them.
   std::vector<KeyframeId> held = {};
   std::vector<KeyframeId> wanted = {};  // what it has forgotten and wants back, nearest to its camera first
+  DigestClaim claim = {};
   bool operator==(const MapInterest&) const = default;
 };
 

@@ -4,8 +4,8 @@
 #include <set>
 #include <utility>
 
+#include "common/map/digest.h"
 #include "common/map/forgetting.h"
-#include "server/downlink/piece_changes.h"
 
 namespace pangaea {
 
@@ -56,13 +56,18 @@ std::optional<AgentCorrection> SessionDownlink::Next(const SessionView& view) {
   if (!version) return std::nullopt;
   const std::vector<KeyframeId> new_guests = NewGuests(view.atlas);
   place_told_ = place_told_ || new_guests.empty();  // it holds what is there
-  if (new_guests.empty() && !IsConcerned(view)) return std::nullopt;
   AgentCorrection correction;
+  if (new_guests.empty() && !IsConcerned(view)) {
+    if (!IsClaimDue(view)) return std::nullopt;
+    if (IsClaimTrue(view.atlas)) agreed_claim_ = interest_->claim.number;
+    correction.complete = agreed_claim_ != interest_->claim.number;
+    if (!correction.complete) return std::nullopt;
+  }
   correction.session = session_;
   correction.version = *version;
   correction.acknowledged = view.acknowledged;
   for (const MapId map : ConcernedMaps(view.atlas)) {
-    MapPiece piece = PieceOf(map, view, new_guests, correction.pieces.empty());
+    MapPiece piece = PieceOf(map, view.atlas, new_guests, correction.pieces.empty(), correction.complete);
     if (!piece.empty()) correction.pieces.push_back(std::move(piece));
   }
   sent_ = Told{view.atlas, *version, view.position, view.correction, new_guests, place_};
@@ -78,6 +83,18 @@ bool SessionDownlink::IsConcerned(const SessionView& view) const {
   view.atlas.ForEachKeyframe(session_,
                              [&](const Keyframe& keyframe) { corrected = corrected || keyframe.corrected_at > 0; });
   return corrected || !interest_->guests.empty();
+}
+
+bool SessionDownlink::IsClaimDue(const SessionView& view) const {
+  return interest_->claim.number > agreed_claim_ && interest_->claim.sequence == view.acknowledged;
+}
+
+bool SessionDownlink::IsClaimTrue(const Atlas& atlas) const {
+  std::set<KeyframeId> forgotten;
+  atlas.ForEachKeyframe(session_, [&](const Keyframe& keyframe) {
+    if (!Holds(keyframe.id)) forgotten.insert(keyframe.id);
+  });
+  return DigestOfSession(atlas, session_, forgotten) == interest_->claim.digest;
 }
 
 std::vector<MapId> SessionDownlink::ConcernedMaps(const Atlas& atlas) const {
@@ -133,14 +150,18 @@ bool SessionDownlink::WasSeparated(const Atlas& atlas, KeyframeId guest) const {
          !HasPartIn(atlas, now->map);
 }
 
+KnownState SessionDownlink::Known(bool complete) const {
+  if (complete) return {nullptr, 0};
+  if (confirmed_) return {&confirmed_->atlas, confirmed_->position};
+  return {nullptr, PositionOf(interest_->applied_version)};
+}
+
 // All keyframes of the session in the map, what it holds of others, and what is new to it. A keyframe without its
 // features is 60 bytes: which of them the agent knows in which state is not worth finding out. Of what it has forgotten
 // it needs to know no more than where it is.
-MapPiece SessionDownlink::PieceOf(MapId map, const SessionView& view, const std::vector<KeyframeId>& new_guests,
-                                  bool is_first) const {
-  const Atlas& atlas = view.atlas;
-  const KnownState known = confirmed_ ? KnownState{&confirmed_->atlas, confirmed_->position}
-                                      : KnownState{nullptr, PositionOf(interest_->applied_version)};
+MapPiece SessionDownlink::PieceOf(MapId map, const Atlas& atlas, const std::vector<KeyframeId>& new_guests,
+                                  bool is_first, bool complete) const {
+  const KnownState known = Known(complete);
   PieceSelection selection;
   selection.map = map;
   const auto is_here = [&](KeyframeId id) {
@@ -157,7 +178,8 @@ MapPiece SessionDownlink::PieceOf(MapId map, const SessionView& view, const std:
   for (const KeyframeId id : fresh) selection.held.erase(id);
   std::vector<KeyframeId> seen_from = selection.keyframes;
   std::erase_if(seen_from, [&](KeyframeId id) { return !fresh.contains(id) && !Holds(id); });
-  selection.landmarks = ChangedLandmarks(atlas, known, seen_from, fresh);
+  const std::set<KeyframeId> all_of = complete ? std::set(seen_from.begin(), seen_from.end()) : fresh;
+  selection.landmarks = ChangedLandmarks(atlas, known, seen_from, all_of);
   selection.former_landmarks = FormerLandmarks(atlas, known, session_);
   // What is gone without a trace is of no map: one piece tells it.
   if (!is_first) std::erase_if(selection.former_landmarks, [&](LandmarkId id) { return !atlas.Resolve(id).valid(); });

@@ -9,6 +9,7 @@
 #include "common/wire/agent_correction.h"
 #include "common/wire/map_interest.h"
 #include "server/downlink/guest_choice.h"
+#include "server/downlink/piece_changes.h"
 
 namespace pangaea {
 
@@ -34,7 +35,8 @@ class SessionDownlink {
   // correction tells of the place. Until it was told and the agent's interest names another keyframe than before.
   void Show(KeyframeId place);
   // The correction to send now, without the server's incarnation. Nothing while the last one was not applied, and where
-  // the agent knows all that concerns it.
+  // the agent knows all that concerns it. Where what it claims to have in common is not so all the same, one that tells
+  // everything anew: whatever went wrong, the two agree afterwards.
   std::optional<AgentCorrection> Next(const SessionView& view);
   // What was sent last seems to be lost: Next may say it again.
   void Forget() {
@@ -44,6 +46,8 @@ class SessionDownlink {
 
   bool waits_for_agent() const { return sent_.has_value(); }
   std::uint64_t sent_version() const { return sent_version_; }
+  // The newest of the agent's claims that Next found true; 0 before any.
+  std::uint64_t agreed_claim() const { return agreed_claim_; }
 
  private:
   // An atlas that the agent was told of.
@@ -60,11 +64,17 @@ class SessionDownlink {
   std::vector<MapId> ConcernedMaps(const Atlas& atlas) const;
   std::vector<KeyframeId> NewGuests(const Atlas& atlas) const;
   bool IsConcerned(const SessionView& view) const;
+  // Whether there is a claim that was not found true yet, of the very state that the view shows.
+  bool IsClaimDue(const SessionView& view) const;
+  bool IsClaimTrue(const Atlas& atlas) const;
   bool HasPartIn(const Atlas& atlas, MapId map) const;
   bool WasSeparated(const Atlas& atlas, KeyframeId guest) const;
   // Whether the agent has what the keyframe saw.
   bool Holds(KeyframeId id) const;
-  MapPiece PieceOf(MapId map, const SessionView& view, const std::vector<KeyframeId>& new_guests, bool is_first) const;
+  // What the agent knows of the server's state: of a complete correction, nothing.
+  KnownState Known(bool complete) const;
+  MapPiece PieceOf(MapId map, const Atlas& atlas, const std::vector<KeyframeId>& new_guests, bool is_first,
+                   bool complete) const;
 
   SessionId session_;
   GuestOptions options_;
@@ -76,6 +86,7 @@ class SessionDownlink {
   std::optional<Told> sent_;         // and not yet applied
   std::optional<Told> confirmed_;    // the newest applied
   std::uint64_t sent_version_ = 0;
+  std::uint64_t agreed_claim_ = 0;
 };
 
 }  // namespace pangaea

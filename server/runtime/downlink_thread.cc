@@ -50,14 +50,16 @@ void DownlinkThread::Complete(EditAck& ack) const {
   const Said said = SayTo(ack.session, state->ingest);
   ack.correction_version = said.version;
   ack.working = said.working;
+  ack.agreed_claim = said.agreed_claim;
 }
 
 DownlinkThread::Said DownlinkThread::SayTo(SessionId session, const IngestState& state) const {
-  Said said{0, links_.is_working(state.atlas.version())};
+  Said said{0, links_.is_working(state.atlas.version()), 0};
   MutexLock lock(mutex_);
   const auto progress = progress_.find(session);
   if (progress == progress_.end()) return said;
   said.version = progress->second.version;
+  said.agreed_claim = progress->second.claim;
   // What is done may not have been told yet.
   said.working = said.working || progress->second.correction < state.correction;
   return said;
@@ -112,6 +114,7 @@ void DownlinkThread::SendTo(SessionId session, Line& line, const IngestState& st
     MutexLock lock(mutex_);
     if (correction) progress_[session].version = correction->version;
     if (correction || !line.downlink.waits_for_agent()) progress_[session].correction = state.correction;
+    progress_[session].claim = line.downlink.agreed_claim();
   }
   if (!correction) return;
   line.sent = now;
@@ -123,6 +126,9 @@ void DownlinkThread::SendTo(SessionId session, Line& line, const IngestState& st
   }
   spdlog::debug("correction {} for session {}: {} bytes, {} maps", correction->version, ToString(session), bytes,
                 correction->pieces.size());
+  if (correction->complete) {
+    spdlog::warn("session {} and the atlas differed; told it all of its map anew, {} bytes", ToString(session), bytes);
+  }
 }
 
 void DownlinkThread::SayWhatChanged() {
@@ -133,7 +139,8 @@ void DownlinkThread::SayWhatChanged() {
     if (!session.alive()) continue;
     const Said said = SayTo(id, state->ingest);
     const Said before = said_[id];
-    news = news || said.version != before.version || (before.working && !said.working);
+    news = news || said.version != before.version || said.agreed_claim != before.agreed_claim ||
+           (before.working && !said.working);
     now[id] = said;
   }
   said_ = std::move(now);

@@ -57,10 +57,12 @@ class DownlinkThread {
   struct Progress {
     std::uint64_t version = 0;     // of its newest correction
     std::uint64_t correction = 0;  // the server's own edits up to here were told, or did not concern it
+    std::uint64_t claim = 0;       // the newest of its claims that was found true
   };
   struct Said {
     std::uint64_t version = 0;
     bool working = false;
+    std::uint64_t agreed_claim = 0;
   };
 
   void Run(const std::stop_token& stop);

@@ -28,9 +28,7 @@ Result<std::unique_ptr<Server>> Server::Start(const ServerOptions& options, std:
     raw->link_->Report(event);
   };
   const DdsLink::Sinks sinks{[raw](IngestInput input) { raw->service_->Submit(std::move(input)); },
-                             [raw](MapInterest interest) {
-                               if (raw->downlink_ != nullptr) raw->downlink_->Take(std::move(interest));
-                             },
+                             [raw](MapInterest interest) { raw->downlink_->Take(std::move(interest)); },
                              [raw](PlaceQuestion question) {
                                if (raw->work_ != nullptr) raw->work_->Ask(std::move(question));
                              },
@@ -46,12 +44,18 @@ Result<std::unique_ptr<Server>> Server::Start(const ServerOptions& options, std:
   server->undo_ =
       std::make_unique<UndoThread>(UndoThread::Links{[raw](const std::string& cause) { return raw->Undo(cause); },
                                                      [raw](const UndoAnswer& answer) { raw->link_->Answer(answer); }});
+  server->downlink_ = std::make_unique<DownlinkThread>(
+      *server->service_, options.guests,
+      DownlinkThread::Links{[raw](const CorrectionPart& part) { raw->link_->Send(part); },
+                            [raw](std::uint64_t atlas_version) {
+                              return raw->work_ != nullptr && raw->work_->report().IsUnderWay(atlas_version);
+                            }});
   if (auto created = server->CreateWork(report); !created) return tl::make_unexpected(created.error());
   server->service_->Start(
       {[raw](const EditAck& ack) { raw->Acknowledge(ack); }, report, [raw] { raw->Changed(); }, std::move(fail)});
   server->ReportStart();
   if (server->work_ != nullptr) server->work_->Start();
-  if (server->downlink_ != nullptr) server->downlink_->Start();
+  server->downlink_->Start();
   server->status_->Start();
   server->undo_->Start();
   server->link_->Start();
@@ -60,20 +64,13 @@ Result<std::unique_ptr<Server>> Server::Start(const ServerOptions& options, std:
 
 Status Server::CreateWork(const std::function<void(const AtlasEvent&)>& report) {
   if (!options_.work.enabled) return {};
-  const auto progressed = [this] {
-    if (downlink_ != nullptr) downlink_->Notify();
-  };
   const auto answer = [this](const RelocalizationAnswer& found) {
     link_->Answer(found);
-    if (found.found && downlink_ != nullptr) downlink_->Show(found.session, found.reference);
+    if (found.found) downlink_->Show(found.session, found.reference);
   };
-  auto work = AtlasWork::Create(*service_, options_.work, {report, progressed, answer});
+  auto work = AtlasWork::Create(*service_, options_.work, {report, [this] { downlink_->Notify(); }, answer});
   if (!work) return tl::make_unexpected(work.error());
   work_ = std::move(*work);
-  const DownlinkThread::Links links{
-      [this](const CorrectionPart& part) { link_->Send(part); },
-      [this](std::uint64_t atlas_version) { return work_->report().IsUnderWay(atlas_version); }};
-  downlink_ = std::make_unique<DownlinkThread>(*service_, options_.guests, links);
   return {};
 }
 
@@ -90,14 +87,14 @@ Result<std::string> Server::Undo(const std::string& cause) {
 }
 
 void Server::Acknowledge(EditAck ack) {
-  if (downlink_ != nullptr) downlink_->Complete(ack);
+  downlink_->Complete(ack);
   link_->Acknowledge(ack);
 }
 
 void Server::Changed() {
   status_->Notify();
   if (work_ != nullptr) work_->Notify();
-  if (downlink_ != nullptr) downlink_->Notify();
+  downlink_->Notify();
 }
 
 Server::Server(const ServerOptions& options, std::unique_ptr<AtlasService> service)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <optional>
 #include <random>
 #include <set>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "common/wire/edit_ack.h"
 #include "common/wire/envelope.h"
 #include "common/wire/map_interest.h"
+#include "server/downlink/session_downlink.h"
 #include "server/ingest/agent_edit.h"
 
 namespace pangaea {
@@ -103,18 +105,38 @@ class CorrectingServer {
       for (const KeyframeId id : interest.wanted) selection.held.erase(id);
       correction.pieces.push_back(CutPiece(atlas, selection));
     }
+    ForgetWhatChanged();
+    return OverTheWire(std::move(correction));
+  }
+
+  // It will not tell what it did since the last correction.
+  void ForgetWhatChanged() {
     keyframes_.clear();
     landmarks_.clear();
-    auto decoded = DecodePieces(EncodePieces(correction.pieces));
-    EXPECT_TRUE(decoded);
-    correction.pieces = std::move(*decoded);
-    return correction;
+  }
+
+  // What the real thing answers to a claim: nothing where it is true, else everything anew.
+  std::optional<AgentCorrection> Judge(const MapInterest& interest) {
+    SessionDownlink downlink(session_, {.wanted = 0});
+    downlink.Take(interest);
+    constexpr std::uint64_t kVersionsAPosition = 1024;
+    auto correction = downlink.Next({atlas, version_ / kVersionsAPosition + 1, 0, up_to});
+    EXPECT_EQ(correction.has_value(), downlink.agreed_claim() != interest.claim.number);
+    if (!correction) return std::nullopt;
+    version_ = correction->version;
+    return OverTheWire(std::move(*correction));
   }
 
   Atlas atlas;
   std::uint64_t up_to = 0;
 
  private:
+  static AgentCorrection OverTheWire(AgentCorrection correction) {
+    auto decoded = DecodePieces(EncodePieces(correction.pieces));
+    EXPECT_TRUE(decoded);
+    correction.pieces = std::move(*decoded);
+    return correction;
+  }
   void Recall(KeyframeId id, PieceSelection& selection) const {
     const Keyframe* keyframe = atlas.FindKeyframe(id);
     if (keyframe == nullptr || keyframe->map != selection.map) return;

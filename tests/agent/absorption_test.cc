@@ -77,7 +77,7 @@ class Correspondence {
     const AgentCorrection& correction = on_the_way.front();
     const auto base = stream.BaseOf(correction);
     if (!base) return;
-    const AbsorptionInput input{kSession, correction.version, *base, correction.pieces};
+    const AbsorptionInput input{kSession, correction.version, *base, correction.pieces, correction.complete};
     for (const MapEdit& edit : PlanAbsorption(agent.atlas(), input).edits) {
       const auto* added = std::get_if<AddKeyframe>(&edit);
       recalled += added != nullptr && agent.atlas().FindKeyframe(added->id) != nullptr ? 1 : 0;
@@ -116,6 +116,27 @@ class Correspondence {
     }
     for (const MapEdit& edit : stream.own_edits()) agent.Do(edit);
   }
+  // Asks whether both have the same; where they have not, has it told anew, and asks again. True where they have.
+  bool Agree() {
+    for (std::uint64_t number = 1; number <= 10; ++number) {
+      MapInterest claiming = InterestOf(kSession, agent.atlas(), stream.confirmed(), agent.newest(), Kept());
+      claiming.applied_version = stream.version();
+      claiming.claim = {number, stream.retained().last_sequence(), DigestOfSession(agent.atlas(), kSession)};
+      auto correction = server.Judge(claiming);
+      if (!correction) return true;
+      complete += correction->complete ? 1 : 0;  // else it brings what is wanted back
+      on_the_way.push_back(std::move(*correction));
+      AbsorbOne();
+      Plan(PlanKind::kFlush);
+      for (int round = 0; round < 5 && !stream.finished(); ++round) {
+        Send(10000);
+        Acknowledge();
+      }
+      if (testing::Test::HasFatalFailure()) return false;
+      for (const MapEdit& edit : stream.own_edits()) agent.Do(edit);
+    }
+    return false;
+  }
 
  private:
   static EditStreamOptions Options() {
@@ -137,6 +158,7 @@ class Correspondence {
   MapInterest interest;
   int forgotten = 0;
   int recalled = 0;
+  int complete = 0;  // corrections that were
 };
 
 // What of what the agent holds of its session is other at the server.
@@ -228,6 +250,28 @@ TEST_P(AbsorptionHistory, WhateverTheAgentForgetsAndWhateverComesBackBothEndWith
       << testing::PrintToString(Differences(pair.agent.atlas(), pair.server.atlas));
   EXPECT_GT(pair.forgotten, 0);
   EXPECT_GT(pair.recalled, 0);
+}
+
+// As if there were an error in what corrections tell.
+TEST_P(AbsorptionHistory, WhateverTheServerKeptToItselfAfterAClaimBothHoldTheSame) {
+  const bool forgets = GetParam() % 2 == 0;
+  Correspondence pair(GetParam(), forgets);
+  for (int step = 0; step < 800; ++step) {
+    pair.Step();
+    ASSERT_FALSE(HasFatalFailure());
+  }
+  pair.on_the_way.push_back(pair.server.Tell(pair.interest));
+  pair.Settle();
+  ASSERT_FALSE(HasFatalFailure());
+  for (int i = 0; i < 30; ++i) pair.server.Work();
+  pair.server.ForgetWhatChanged();
+  EXPECT_TRUE(pair.Agree()) << testing::PrintToString(Differences(pair.agent.atlas(), pair.server.atlas));
+  // What it asks back may bring all of it.
+  EXPECT_GE(pair.complete, forgets ? 0 : 1);
+  EXPECT_EQ(CheckConsistency(pair.agent.atlas()), std::vector<std::string>{});
+  EXPECT_EQ(Differences(pair.agent.atlas(), pair.server.atlas), std::vector<std::string>{});
+  EXPECT_EQ(CheckConsistency(pair.server.atlas), std::vector<std::string>{});
+  EXPECT_EQ(pair.stream.repairs(), 0U);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, AbsorptionHistory, testing::Range<std::uint64_t>(1, 31));

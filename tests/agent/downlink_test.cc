@@ -88,6 +88,37 @@ TEST_F(DownlinkTest, WaitingEndsWhenNothingMoreIsToCome) {
   EXPECT_FALSE(downlink_.Await(never));
 }
 
+TEST_F(DownlinkTest, WaitingEndsWhenTheServerAgreesWithTheNewestClaim) {
+  downlink_.OnClaim(2);
+  downlink_.OnAck({kSession, 0, 1, {}, 0, false, 1});
+  EXPECT_FALSE(downlink_.Await(std::chrono::steady_clock::now())) << "not yet, but the time is over";
+  std::thread server([this] { downlink_.OnAck({kSession, 0, 1, {}, 0, false, 2}); });
+  EXPECT_FALSE(downlink_.Await(Downlink::Time::max()));
+  server.join();
+  downlink_.OnClaim(3);
+  downlink_.OnServerLost();
+  EXPECT_FALSE(downlink_.Await(Downlink::Time::max())) << "nobody is left to agree";
+}
+
+TEST_F(DownlinkTest, ACorrectionIsCompleteOnlyWhereNothingWasSentSince) {
+  AgentCorrection correction = Correction(5, 0);
+  correction.complete = true;
+  Receive(correction);
+  downlink_.Offer(stream_);
+  auto ready = downlink_.Take();
+  ASSERT_TRUE(ready);
+  EXPECT_TRUE(ready->correction->complete);
+  stream_.Absorb(*ready->correction);
+  downlink_.OnAbsorbed(stream_.version());
+  SendOne();
+  correction.version = 6;
+  Receive(correction);
+  downlink_.Offer(stream_);
+  ready = downlink_.Take();
+  ASSERT_TRUE(ready);
+  EXPECT_FALSE(ready->correction->complete);
+}
+
 TEST_F(DownlinkTest, WaitingEndsWhenTheServerGoesOrTheTimeIsOverOrSomebodyHurries) {
   downlink_.OnAck({kSession, 0, 1, {}, 5, true});
   EXPECT_FALSE(downlink_.Await(std::chrono::steady_clock::now()));

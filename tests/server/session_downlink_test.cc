@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "common/map/digest.h"
 #include "tests/map/small_world.h"
 
 namespace pangaea {
@@ -375,6 +376,62 @@ TEST(SessionDownlink, AGuestThatTheAgentForgotComesAgainOnlyWhenItIsAskedFor) {
   for (const PieceKeyframe& keyframe : correction->pieces.at(0).keyframes) {
     EXPECT_EQ(keyframe.data != nullptr, keyframe.id == K(1)) << ToString(keyframe.id);
   }
+}
+
+MapInterest Claim(std::uint64_t applied, const DigestClaim& claim) {
+  MapInterest interest = Interest(kAnna, applied);
+  interest.claim = claim;
+  return interest;
+}
+
+TEST(SessionDownlink, AClaimIsFoundTrueOnceTheServerIsAsFar) {
+  const SmallWorld world = TwoSessions();
+  SessionDownlink downlink(kAnna, {.wanted = 0});
+  downlink.Take(Claim(0, {1, 8, DigestOfSession(world.atlas, kAnna)}));
+  EXPECT_FALSE(downlink.Next(View(world, 10, 0)));
+  EXPECT_EQ(downlink.agreed_claim(), 0U) << "it has seven envelopes";
+  downlink.Take(Claim(0, {2, 7, DigestOfSession(world.atlas, kAnna)}));
+  EXPECT_FALSE(downlink.Next(View(world, 10, 0)));
+  EXPECT_EQ(downlink.agreed_claim(), 2U);
+}
+
+TEST(SessionDownlink, WhereAClaimIsWrongEverythingIsToldAnewUntilItArrived) {
+  const SmallWorld world = TwoSessions();
+  SessionDownlink downlink(kAnna, {.wanted = 0});
+  const std::uint64_t digest = DigestOfSession(world.atlas, kAnna);
+  downlink.Take(Claim(0, {1, 7, digest + 1}));
+  const auto correction = downlink.Next(View(world, 10, 0));
+  ASSERT_TRUE(correction);
+  EXPECT_TRUE(correction->complete);
+  const MapPiece& piece = correction->pieces.at(0);
+  EXPECT_EQ(Ids(piece), (std::vector{K(1), K(2), K(3)}));
+  for (const PieceKeyframe& keyframe : piece.keyframes) EXPECT_EQ(keyframe.data, nullptr) << "it holds them";
+  std::vector<LandmarkId> landmarks;
+  for (const PieceLandmark& landmark : piece.landmarks) landmarks.push_back(landmark.id);
+  EXPECT_EQ(landmarks, (std::vector{L(1), L(2), L(3)}));
+  EXPECT_FALSE(downlink.Next(View(world, 10, 0))) << "it is under way";
+  downlink.Forget();
+  const auto again = downlink.Next(View(world, 10, 0));
+  ASSERT_TRUE(again);
+  EXPECT_TRUE(again->complete);
+  downlink.Take(Claim(again->version, {2, 7, digest}));
+  EXPECT_FALSE(downlink.Next(View(world, 10, 0)));
+  EXPECT_EQ(downlink.agreed_claim(), 2U);
+}
+
+TEST(SessionDownlink, WhatTheAgentHasForgottenIsNoPartOfItsClaim) {
+  const SmallWorld world = TwoSessions();
+  SessionDownlink downlink(kAnna, {.wanted = 0});
+  MapInterest interest = Claim(0, {1, 7, DigestOfSession(world.atlas, kAnna, {K(3)})});
+  interest.held = {K(1), K(2), K(4)};
+  downlink.Take(interest);
+  EXPECT_FALSE(downlink.Next(View(world, 10, 0)));
+  EXPECT_EQ(downlink.agreed_claim(), 1U);
+  interest.claim = {2, 7, 5};
+  downlink.Take(interest);
+  const auto correction = downlink.Next(View(world, 10, 0));
+  ASSERT_TRUE(correction);
+  for (const PieceLandmark& landmark : correction->pieces.at(0).landmarks) EXPECT_NE(landmark.id, L(3));
 }
 
 TEST(SessionDownlink, WhereALostAgentIsFoundItGetsWhatItHasForgottenToo) {

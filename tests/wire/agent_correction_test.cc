@@ -15,7 +15,8 @@ AgentCorrection Correction(std::uint64_t version, std::size_t landmarks) {
 }
 
 TEST(AgentCorrection, PartsOfAnySizeGiveTheSameCorrection) {
-  const AgentCorrection sent = Correction(5, 300);
+  AgentCorrection sent = Correction(5, 300);
+  sent.complete = true;
   for (const std::size_t size : {7U, 100U, 1000U, 1'000'000U}) {
     CorrectionAssembly assembly;
     std::optional<AgentCorrection> received;
@@ -30,6 +31,7 @@ TEST(AgentCorrection, PartsOfAnySizeGiveTheSameCorrection) {
     ASSERT_TRUE(received);
     EXPECT_EQ(received->version, 5U);
     EXPECT_EQ(received->acknowledged, 4U);
+    EXPECT_TRUE(received->complete);
     EXPECT_EQ(EncodePieces(received->pieces), EncodePieces(sent.pieces));
   }
 }

@@ -43,7 +43,7 @@ TEST(IdlConversions, ASessionComesBackAsItWas) {
 TEST(IdlConversions, EnvelopesAndAcksAndStatusAndEventsComeBackAsTheyWere) {
   const Envelope envelope = MakeEnvelope(5, 6, 7, {});
   EXPECT_EQ(FromIdl(BorrowAsIdl(envelope)).value(), envelope);
-  const EditAck ack{5, 6, 77, {{6, RejectionReason::kUnknownReference, "landmark 3 is unknown"}}, 12, true};
+  const EditAck ack{5, 6, 77, {{6, RejectionReason::kUnknownReference, "landmark 3 is unknown"}}, 12, true, 3};
   std::vector<pangaea_wire_Rejection> rejections;
   EXPECT_EQ(FromIdl(BorrowAsIdl(ack, rejections)).value(), ack);
   const AtlasStatus status{"hall", 8, 9, R"({"maps":[]})"};
@@ -57,9 +57,9 @@ TEST(IdlConversions, EnvelopesAndAcksAndStatusAndEventsComeBackAsTheyWere) {
 }
 
 TEST(IdlConversions, CorrectionsAndInterestsAndRelocalizationsComeBackAsTheyWere) {
-  const CorrectionPart part{5, 77, 6, 7, 1, 3, 99, std::vector<std::byte>(2, std::byte{7})};
+  const CorrectionPart part{5, 77, 6, 7, 1, 3, 99, std::vector<std::byte>(2, std::byte{7}), true};
   EXPECT_EQ(FromIdl(BorrowAsIdl(part)).value(), part);
-  const MapInterest interest{5, 6, {5, 1}, {5, 30}, {{4, 1}, {4, 2}}, {{5, 7}, {5, 8}, {5, 9}}, {{5, 2}}};
+  const MapInterest interest{5, 6, {5, 1}, {5, 30}, {{4, 1}, {4, 2}}, {{5, 7}, {5, 8}, {5, 9}}, {{5, 2}}, {3, 4, 88}};
   std::vector<pangaea_wire_ItemId> guests;
   EXPECT_EQ(FromIdl(BorrowAsIdl(interest, guests)).value(), interest);
   auto frame = std::make_shared<KeyframeData>();
