@@ -131,8 +131,10 @@ class Search {
   }
 
   std::optional<TwoViewModel> Run(const TwoViewRansacOptions& options, std::uint64_t seed) const {
-    const RansacOptions ransac{
-        .sample_size = Judge::kSampleSize, .max_iterations = options.max_iterations, .confidence = options.confidence};
+    const RansacOptions ransac{.sample_size = Judge::kSampleSize,
+                               .max_iterations = options.max_iterations,
+                               .min_iterations = options.min_iterations,
+                               .confidence = options.confidence};
     auto best = Ransac<Eigen::Matrix3d>(
         matches_.size(), ransac, seed,
         [&](std::span<const std::size_t> sample, std::vector<Eigen::Matrix3d>& models) {

@@ -30,6 +30,8 @@ struct TwoViewModel {
 struct TwoViewRansacOptions {
   int max_iterations = 300;  // five clean of two-to-one matches are found in fewer draws
   double confidence = 0.999;
+  // With little parallax five matches, all of them right, may give a motion far from the true one.
+  int min_iterations = 200;
 };
 
 // A plane, or a camera that only turned. The same seed gives the same answer.

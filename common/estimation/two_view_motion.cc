@@ -242,7 +242,8 @@ Status TwoViewOptions::Check() const {
   const auto refuse = [](const char* what) {
     return Fail(ErrorCode::kInvalidArgument, std::string("two views: ") + what);
   };
-  if (ransac.max_iterations < 1) return refuse("ransac.max_iterations must be >= 1");
+  if (ransac.min_iterations < 1 || ransac.max_iterations < ransac.min_iterations)
+    return refuse("ransac.min_iterations must be >= 1 and <= ransac.max_iterations");
   if (!(ransac.confidence > 0.0 && ransac.confidence < 1.0)) return refuse("ransac.confidence must be in (0, 1)");
   if (!(homography_ratio >= 0.0 && homography_ratio <= 1.0)) return refuse("homography_ratio must be in [0, 1]");
   if (!(min_parallax > 0.0 && min_parallax < 45.0)) return refuse("min_parallax must be in (0, 45) degrees");

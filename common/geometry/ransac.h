@@ -19,6 +19,9 @@ namespace pangaea {
 struct RansacOptions {
   std::size_t sample_size = 0;  // data a minimal solution needs
   int max_iterations = 300;
+  // Where a sample of inliers alone may still be far from the best model, because noise moves what so few data leave
+  // open.
+  int min_iterations = 1;
   // The search ends when a sample of inliers alone has been drawn with this probability, at the best inlier ratio so
   // far.
   double confidence = 0.999;
@@ -87,6 +90,7 @@ std::optional<RansacResult<Model>> Ransac(std::size_t data_size, const RansacOpt
     return true;
   };
   int needed = options.max_iterations;
+  const int least = std::min(options.min_iterations, options.max_iterations);
   int iteration = 0;
   for (; iteration < needed; ++iteration) {
     models.clear();
@@ -97,8 +101,9 @@ std::optional<RansacResult<Model>> Ransac(std::size_t data_size, const RansacOpt
     const std::optional<Model> optimised = improve(best->model, std::span<const std::uint8_t>(best->inliers));
     if (optimised) keep_if_better(*optimised);
     const double inlier_ratio = static_cast<double>(best->score.inliers) / static_cast<double>(data_size);
-    needed = std::min(needed, std::max(iteration + 1, RequiredIterations(inlier_ratio, options.sample_size,
-                                                                         options.confidence, options.max_iterations)));
+    needed = std::min(needed, std::max(std::max(iteration + 1, least),
+                                       RequiredIterations(inlier_ratio, options.sample_size, options.confidence,
+                                                          options.max_iterations)));
   }
   if (best) best->iterations = iteration;
   return best;

@@ -79,6 +79,15 @@ TEST(Ransac, StopsEarlyWhenNearlyEverythingAgrees) {
   EXPECT_LE(dirty->iterations, 300);
 }
 
+TEST(Ransac, DrawsAsManySamplesAsItIsToldAtLeastAndAtMost) {
+  const LineWorld world = MakeLineWorld(1, 100, 0);
+  const auto at_least = FitLine(world, {.sample_size = 2, .min_iterations = 20}, 1);
+  const auto at_most = FitLine(world, {.sample_size = 2, .max_iterations = 5, .min_iterations = 20}, 1);
+  ASSERT_TRUE(at_least && at_most);
+  EXPECT_EQ(at_least->iterations, 20);
+  EXPECT_EQ(at_most->iterations, 5);
+}
+
 TEST(Ransac, TheSeedDecidesEverything) {
   const LineWorld world = MakeLineWorld(2, 20, 80);
   const auto a = FitLine(world, {.sample_size = 2, .max_iterations = 5}, 7);
