@@ -163,7 +163,8 @@ class UplinkLoop final : public UplinkThread {
       stream_.Absorb(*batch.absorbed);
       downlink_.OnAbsorbed(stream_.version());
       ++local_.corrections;
-      if (batch.absorbed->complete) ++local_.complete_corrections;
+      local_.complete_corrections += batch.absorbed->complete ? 1 : 0;
+      in_vain_ += batch.absorbed->complete ? 1 : 0;
     }
     reference_ = batch.reference;
     local_.forgotten += batch.forgotten.size();
@@ -193,6 +194,7 @@ class UplinkLoop final : public UplinkThread {
 
   void Handle(EditAck& ack) {
     downlink_.OnAck(ack);
+    if (ack.agreed_claim == claims_) in_vain_ = 0;
     for (const Rejection& rejection : stream_.OnAck(ack, Clock::now())) {
       local_.last_error = "the server rejected envelope " + std::to_string(rejection.sequence) + ": " + rejection.text;
       if (local_.rejections++ == 0) spdlog::warn("{}; what it lacks is sent anew", local_.last_error);
@@ -237,7 +239,8 @@ class UplinkLoop final : public UplinkThread {
 
   // That both hold the same now.
   void Claim() {
-    if (local_.complete_corrections >= kMostCompleteCorrections) {
+    if (in_vain_ >= kMostCompleteCorrections) {
+      if (std::exchange(told_differ_, true)) return;
       local_.last_error = "the server's map still differs from this agent's after complete corrections";
       return spdlog::warn("{}", local_.last_error);
     }
@@ -313,8 +316,10 @@ class UplinkLoop final : public UplinkThread {
   std::optional<FlushRequest> flush_;
   KeyframeId reference_;  // of the newest batch
   std::uint64_t claims_ = 0;
+  std::uint64_t in_vain_ = 0;  // complete corrections since the server last agreed
   UplinkCounters local_;
   bool told_refused_ = false;
+  bool told_differ_ = false;
   bool hurried_ = false;
   bool stopping_ = false;
 

@@ -57,11 +57,12 @@ std::optional<AgentCorrection> SessionDownlink::Next(const SessionView& view) {
   const std::vector<KeyframeId> new_guests = NewGuests(view.atlas);
   place_told_ = place_told_ || new_guests.empty();  // it holds what is there
   AgentCorrection correction;
-  if (new_guests.empty() && !IsConcerned(view)) {
+  const bool answers_claim = new_guests.empty() && !IsConcerned(view);
+  if (answers_claim) {
     if (!IsClaimDue(view)) return std::nullopt;
     if (IsClaimTrue(view.atlas)) agreed_claim_ = interest_->claim.number;
-    correction.complete = agreed_claim_ != interest_->claim.number;
-    if (!correction.complete) return std::nullopt;
+    if (agreed_claim_ == interest_->claim.number) return std::nullopt;
+    correction.complete = confirmed_ && confirmed_->answers_claim;
   }
   correction.session = session_;
   correction.version = *version;
@@ -70,7 +71,7 @@ std::optional<AgentCorrection> SessionDownlink::Next(const SessionView& view) {
     MapPiece piece = PieceOf(map, view.atlas, new_guests, correction.pieces.empty(), correction.complete);
     if (!piece.empty()) correction.pieces.push_back(std::move(piece));
   }
-  sent_ = Told{view.atlas, *version, view.position, view.correction, new_guests, place_};
+  sent_ = Told{view.atlas, *version, view.position, view.correction, new_guests, place_, answers_claim};
   sent_version_ = *version;
   return correction;
 }

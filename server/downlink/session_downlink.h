@@ -35,8 +35,9 @@ class SessionDownlink {
   // correction tells of the place. Until it was told and the agent's interest names another keyframe than before.
   void Show(KeyframeId place);
   // The correction to send now, without the server's incarnation. Nothing while the last one was not applied, and where
-  // the agent knows all that concerns it. Where what it claims to have in common is not so all the same, one that tells
-  // everything anew: whatever went wrong, the two agree afterwards.
+  // the agent knows all that concerns it. Where what it claims to have in common is not so all the same: what changed
+  // since it was last told, through other agents; and where that does not help, one that tells everything anew:
+  // whatever went wrong, the two agree afterwards.
   std::optional<AgentCorrection> Next(const SessionView& view);
   // What was sent last seems to be lost: Next may say it again.
   void Forget() {
@@ -58,6 +59,7 @@ class SessionDownlink {
     std::uint64_t correction = 0;
     std::vector<KeyframeId> new_guests = {};
     KeyframeId place = {};
+    bool answers_claim = false;
   };
   void Confirm();
   std::optional<std::uint64_t> NextVersion(std::uint64_t position) const;

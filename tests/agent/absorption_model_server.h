@@ -30,7 +30,10 @@ class CorrectingServer {
  public:
   static constexpr SessionId kOther = 7;
 
-  CorrectingServer(SessionId session, std::uint64_t seed) : session_(session), random_(seed) { MakeOthersMap(); }
+  CorrectingServer(SessionId session, std::uint64_t seed)
+      : session_(session), judge_(session, {.wanted = 0}), random_(seed) {
+    MakeOthersMap();
+  }
 
   void Take(const Envelope& envelope) {
     if (envelope.sequence != up_to + 1) return;
@@ -115,15 +118,17 @@ class CorrectingServer {
     landmarks_.clear();
   }
 
-  // What the real thing answers to a claim: nothing where it is true, else everything anew.
+  // What the real thing answers to a claim: nothing where it is true, else everything anew once that it tells of what
+  // changed has not helped.
   std::optional<AgentCorrection> Judge(const MapInterest& interest) {
-    SessionDownlink downlink(session_, {.wanted = 0});
-    downlink.Take(interest);
+    judge_.Take(interest);
     constexpr std::uint64_t kVersionsAPosition = 1024;
-    auto correction = downlink.Next({atlas, version_ / kVersionsAPosition + 1, 0, up_to});
-    EXPECT_EQ(correction.has_value(), downlink.agreed_claim() != interest.claim.number);
+    auto correction = judge_.Next({atlas, version_ / kVersionsAPosition + 1, 0, up_to});
+    EXPECT_EQ(correction.has_value(), judge_.agreed_claim() != interest.claim.number);
     if (!correction) return std::nullopt;
     version_ = correction->version;
+    // As if it did not find what changed.
+    if (interest.wanted.empty() && !correction->complete) correction->pieces.clear();
     return OverTheWire(std::move(*correction));
   }
 
@@ -324,6 +329,7 @@ class CorrectingServer {
   }
 
   SessionId session_;
+  SessionDownlink judge_;
   std::mt19937_64 random_;
   std::uint64_t version_ = 0;
   std::set<LandmarkId> known_;  // that it has told of

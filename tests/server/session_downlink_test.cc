@@ -395,11 +395,16 @@ TEST(SessionDownlink, AClaimIsFoundTrueOnceTheServerIsAsFar) {
   EXPECT_EQ(downlink.agreed_claim(), 2U);
 }
 
-TEST(SessionDownlink, WhereAClaimIsWrongEverythingIsToldAnewUntilItArrived) {
+TEST(SessionDownlink, WhereAClaimIsWrongAndWhatChangedDoesNotMendItEverythingIsToldAnewUntilItArrived) {
   const SmallWorld world = TwoSessions();
   SessionDownlink downlink(kAnna, {.wanted = 0});
   const std::uint64_t digest = DigestOfSession(world.atlas, kAnna);
   downlink.Take(Claim(0, {1, 7, digest + 1}));
+  const auto changes = downlink.Next(View(world, 10, 0));
+  ASSERT_TRUE(changes);
+  EXPECT_FALSE(changes->complete);
+  EXPECT_TRUE(changes->pieces.at(0).landmarks.empty());
+  downlink.Take(Claim(changes->version, {2, 7, digest + 1}));
   const auto correction = downlink.Next(View(world, 10, 0));
   ASSERT_TRUE(correction);
   EXPECT_TRUE(correction->complete);
@@ -414,9 +419,24 @@ TEST(SessionDownlink, WhereAClaimIsWrongEverythingIsToldAnewUntilItArrived) {
   const auto again = downlink.Next(View(world, 10, 0));
   ASSERT_TRUE(again);
   EXPECT_TRUE(again->complete);
-  downlink.Take(Claim(again->version, {2, 7, digest}));
+  downlink.Take(Claim(again->version, {3, 7, digest}));
   EXPECT_FALSE(downlink.Next(View(world, 10, 0)));
-  EXPECT_EQ(downlink.agreed_claim(), 2U);
+  EXPECT_EQ(downlink.agreed_claim(), 3U);
+}
+
+// Another agent's edits are no corrections of the server's.
+TEST(SessionDownlink, WhatAnotherAgentChangedOfWhatBothSeeIsToldInAnswerToAClaim) {
+  auto [world, downlink] = MergedForBert({.wanted = 0});
+  const auto merged = downlink.Next(View(world, 10, 10));
+  ASSERT_TRUE(merged);
+  MapInterest interest = Interest(kBert, merged->version);
+  interest.claim = {1, 7, DigestOfSession(world.atlas, kBert)};
+  world.Do(RemoveLandmark{L(1)});
+  downlink.Take(interest);
+  const auto correction = downlink.Next(View(world, 12, 10));
+  ASSERT_TRUE(correction);
+  EXPECT_FALSE(correction->complete);
+  EXPECT_EQ(correction->pieces.at(0).removed, std::vector{L(1)});
 }
 
 TEST(SessionDownlink, WhatTheAgentHasForgottenIsNoPartOfItsClaim) {
@@ -429,8 +449,14 @@ TEST(SessionDownlink, WhatTheAgentHasForgottenIsNoPartOfItsClaim) {
   EXPECT_EQ(downlink.agreed_claim(), 1U);
   interest.claim = {2, 7, 5};
   downlink.Take(interest);
+  const auto changes = downlink.Next(View(world, 10, 0));
+  ASSERT_TRUE(changes);
+  interest.claim.number = 3;
+  interest.applied_version = changes->version;
+  downlink.Take(interest);
   const auto correction = downlink.Next(View(world, 10, 0));
   ASSERT_TRUE(correction);
+  EXPECT_TRUE(correction->complete);
   for (const PieceLandmark& landmark : correction->pieces.at(0).landmarks) EXPECT_NE(landmark.id, L(3));
 }
 
