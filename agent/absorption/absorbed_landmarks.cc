@@ -58,6 +58,12 @@ class LandmarkAbsorption {
   void Fuse(const FusedLandmark& fused) {
     if (atlas().FindLandmark(fused.absorbed) == nullptr) return;
     const PieceLandmark* kept = FindIn(piece_, fused.kept);
+    // Two agents found at once that the two are one, and each kept the other's: the one that the server kept is it.
+    const bool crossed = kept != nullptr && atlas().Resolve(fused.kept) == fused.absorbed;
+    if (crossed && draft_.Emit(RemoveLandmark{fused.absorbed})) {
+      SeatAnywhere(*kept);
+      return;
+    }
     if (kept != nullptr) Insert(*kept, fused.absorbed);
     if (atlas().FindLandmark(fused.absorbed) == nullptr) return;  // its only keypoint went to the absorber
     if (!draft_.Emit(FuseLandmarks{fused.kept, fused.absorbed})) draft_.Emit(RemoveLandmark{fused.absorbed});
@@ -70,18 +76,28 @@ class LandmarkAbsorption {
     // The server had it and it is gone here: its agent removed it since. What was forgotten leaves no trace.
     if (!draft_.input().complete && draft_.told().FindLandmark(listed.id) != nullptr && atlas().Knows(listed.id))
       return false;
-    std::vector<Observation> seats = listed.observations;
-    std::stable_partition(seats.begin(), seats.end(),
-                          [&](const Observation& o) { return o.keyframe == listed.reference; });
-    for (const Observation& seat : seats) {
-      if (!At(seat).valid() && Seat(listed, seat)) return true;
-    }
+    if (SeatAnywhere(listed)) return true;
+    const std::vector<Observation> seats = SeatsOf(listed);
     for (const Observation& seat : seats) {
       if (!giving_way.valid() || At(seat) != giving_way) continue;
       draft_.Emit(RemoveObservation{giving_way, seat.keyframe});
       if (Seat(listed, seat)) return true;
     }
     return std::ranges::any_of(seats, [&](const Observation& seat) { return SeatInPlace(listed, seat); });
+  }
+
+  // The reference first.
+  static std::vector<Observation> SeatsOf(const PieceLandmark& listed) {
+    std::vector<Observation> seats = listed.observations;
+    std::stable_partition(seats.begin(), seats.end(),
+                          [&](const Observation& o) { return o.keyframe == listed.reference; });
+    return seats;
+  }
+
+  // Where a keypoint is free.
+  bool SeatAnywhere(const PieceLandmark& listed) {
+    return std::ranges::any_of(SeatsOf(listed),
+                               [&](const Observation& seat) { return !At(seat).valid() && Seat(listed, seat); });
   }
 
   // In place of what the agent saw there later than the server saw the landmark. Without it the agent would seem to

@@ -212,6 +212,31 @@ TEST(Absorption, AKeypointThatALandmarkGetsByFusionInPlaceOfALostOneIsItsOwn) {
   EXPECT_EQ(DigestOfSession(absorption.after, kAnna), DigestOfSession(world.atlas, kAnna));
 }
 
+// Of two landmarks that two agents find to be one, each keeps the other's. The server takes the first word it gets.
+TEST(Absorption, OfTwoFusionsThatCrossTheServersHolds) {
+  SmallWorld world = RowOfThree();
+  world.Child(K(1, kBert), K(3), M(1));
+  world.Add(L(1, kBert), K(1, kBert), 1);
+  world.Observe(L(1, kBert), K(3), 7);
+  const Atlas before = world.atlas;
+  SmallWorld agent = world;
+  agent.Do(FuseLandmarks{L(1, kBert), L(1)});
+  world.Do(FuseLandmarks{L(1), L(1, kBert)});
+  ASSERT_EQ(world.Get(K(3)).landmarks[7], L(1));
+  PieceSelection selection;
+  selection.map = M(1);
+  selection.keyframes = {K(1), K(2), K(3)};
+  selection.held = {K(1), K(2), K(3)};
+  selection.landmarks = {L(1)};
+  selection.former_landmarks = {L(1, kBert)};
+  const std::vector<MapPiece> pieces = {CutPiece(world.atlas, selection)};
+  for (const Atlas* told : {&before, &std::as_const(agent.atlas)}) {
+    const Absorption absorption = PlanAbsorption(agent.atlas, {kAnna, 1, *told, pieces});
+    EXPECT_EQ(DigestOfSession(absorption.after, kAnna), DigestOfSession(world.atlas, kAnna));
+    EXPECT_EQ(CheckConsistency(absorption.after), std::vector<std::string>{});
+  }
+}
+
 TEST_P(AbsorptionHistory, WhateverTheServerCorrectsAndWheneverItArrivesBothEndWithTheSame) {
   Correspondence pair(GetParam());
   for (int step = 0; step < 1500; ++step) {
