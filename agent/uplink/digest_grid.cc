@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "agent/absorption/absorption.h"
@@ -60,6 +61,20 @@ void FollowServer(SessionId session, const Atlas& mirror, Atlas& own, std::vecto
   if (!points.landmarks.empty()) apply(std::move(points));
 }
 
+// Landmarks of other sessions that the session's keyframes observe here and that are no more.
+void LetGo(SessionId session, const Atlas& mirror, Atlas& own, std::vector<MapEdit>& own_edits) {
+  std::set<LandmarkId> gone;
+  own.ForEachKeyframe(session, [&](const Keyframe& keyframe) {
+    for (const LandmarkId id : keyframe.landmarks) {
+      if (id.valid() && id.session != session && mirror.FindLandmark(id) == nullptr) gone.insert(id);
+    }
+  });
+  for (const LandmarkId id : gone) {
+    MapEdit edit = RemoveLandmark{id};
+    if (Apply(edit, own)) own_edits.push_back(std::move(edit));
+  }
+}
+
 }  // namespace
 
 bool OnSameGrid(const Eigen::Vector3d& point_in_map, const Eigen::Vector3d& other_point_in_map) {
@@ -79,6 +94,7 @@ bool OnSameGrid(const Rigid3d& camera_from_map, const Rigid3d& other_camera_from
 std::vector<MapEdit> AgreeOnDigest(SessionId session, const Atlas& agent, Atlas& mirror, std::vector<MapEdit>& edits) {
   std::vector<MapEdit> own_edits;
   Atlas own = agent;
+  LetGo(session, mirror, own, own_edits);
   FollowServer(session, mirror, own, own_edits);
   agent.ForEachKeyframe(session, [&](const Keyframe& keyframe) {
     const KeyframeId id = keyframe.id;

@@ -174,6 +174,22 @@ TEST(UplinkPlanner, FramesThatACulledGuestLeftBehindAreNotSent) {
   EXPECT_EQ(CountOf<AddFramePoses>(line.Plan(planner, PlanKind::kFlush)), 0U);
 }
 
+TEST(UplinkPlanner, AFlushLetsGoALandmarkOfOthersThatTheServerHasNoMore) {
+  Line line;
+  UplinkPlanner planner({}, kSession);
+  line.Add();
+  line.Plan(planner, PlanKind::kFlush);
+  const LandmarkId of_others{kSession + 1, 5};
+  // The server has it no more: the mirror does not learn of it.
+  line.Do(AddLandmark{of_others, {kSession, 1}, 1, {0.0, 0.0, 5.0}});
+  const UplinkPlan plan = line.Plan(planner, PlanKind::kFlush);
+  EXPECT_TRUE(plan.edits.empty());
+  ASSERT_EQ(plan.own_edits.size(), 1U);
+  ApplyAll(plan.own_edits, line.atlas);
+  EXPECT_EQ(line.atlas.FindLandmark(of_others), nullptr);
+  EXPECT_EQ(DigestOfSession(planner.mirror(), kSession), DigestOfSession(line.atlas, kSession));
+}
+
 TEST(UplinkPlanner, ARootCulledBeforeItsHeirWasSentPassesOn) {
   Line line;
   UplinkPlanner planner({}, kSession);
