@@ -42,11 +42,11 @@ void MirrorUpdate::MatchLandmarks(std::set<LandmarkId>& landmarks) {
 // Removes the landmark, or fuses it into what absorbed it. False while that is not sent.
 bool MirrorUpdate::MatchVanished(LandmarkId id, std::set<LandmarkId>& landmarks) {
   if (mirror_.FindLandmark(id) == nullptr) return true;
-  if (!agent_.Knows(id)) {  // forgotten, not gone
+  // Forgotten and not gone, or not for this agent to end: no more than what its keyframes see of it.
+  if (!agent_.Knows(id) || !IsOwn(id)) {
     RemoveWrongObservations(Landmark{id, {}, {}, {}});
     return true;
   }
-  if (!IsOwn(id)) return true;
   const LandmarkId kept = agent_.Resolve(id);
   // Another session's landmark that the server is not known to have: it will not get it from here.
   const bool lost = kept.valid() && !IsOwn(kept) && mirror_.FindLandmark(kept) == nullptr;

@@ -62,7 +62,8 @@ std::optional<AgentCorrection> SessionDownlink::Next(const SessionView& view) {
     if (!IsClaimDue(view)) return std::nullopt;
     if (IsClaimTrue(view.atlas)) agreed_claim_ = interest_->claim.number;
     if (agreed_claim_ == interest_->claim.number) return std::nullopt;
-    correction.complete = confirmed_ && confirmed_->answers_claim;
+    // Other agents go on changing what both see.
+    correction.complete = confirmed_ && confirmed_->answers_claim && confirmed_->position == view.position;
   }
   correction.session = session_;
   correction.version = *version;

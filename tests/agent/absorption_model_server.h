@@ -123,7 +123,8 @@ class CorrectingServer {
   std::optional<AgentCorrection> Judge(const MapInterest& interest) {
     judge_.Take(interest);
     constexpr std::uint64_t kVersionsAPosition = 1024;
-    auto correction = judge_.Next({atlas, version_ / kVersionsAPosition + 1, 0, up_to});
+    if (position_ == 0) position_ = version_ / kVersionsAPosition + 1;
+    auto correction = judge_.Next({atlas, position_, 0, up_to});
     EXPECT_EQ(correction.has_value(), judge_.agreed_claim() != interest.claim.number);
     if (!correction) return std::nullopt;
     version_ = correction->version;
@@ -330,6 +331,7 @@ class CorrectingServer {
 
   SessionId session_;
   SessionDownlink judge_;
+  std::uint64_t position_ = 0;  // once it judges
   std::mt19937_64 random_;
   std::uint64_t version_ = 0;
   std::set<LandmarkId> known_;  // that it has told of

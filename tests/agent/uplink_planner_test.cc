@@ -190,6 +190,22 @@ TEST(UplinkPlanner, AFlushLetsGoALandmarkOfOthersThatTheServerHasNoMore) {
   EXPECT_EQ(DigestOfSession(planner.mirror(), kSession), DigestOfSession(line.atlas, kSession));
 }
 
+TEST(UplinkPlanner, OfALandmarkOfOthersThatIsGoneHereTheSightingsAreTakenBack) {
+  Line line;
+  UplinkPlanner planner({}, kSession);
+  line.Add();
+  const LandmarkId of_others{kSession + 1, 5};
+  line.Do(AddKeyframe{
+      {kSession + 1, 1}, {kSession, 1}, {kSession, 1}, Rigid3d(), line.atlas.FindKeyframe({kSession, 1})->data});
+  line.Do(AddLandmark{of_others, {kSession + 1, 1}, 1, {0.0, 0.0, 5.0}});
+  line.Do(AddObservation{of_others, {kSession, 1}, 1});
+  planner.AdoptMirror(line.atlas);
+  line.Do(RemoveLandmark{of_others});
+  EXPECT_EQ(CountOf<RemoveObservation>(line.Plan(planner, PlanKind::kFlush)), 1U);
+  EXPECT_NE(planner.mirror().FindLandmark(of_others), nullptr);
+  EXPECT_EQ(DigestOfSession(planner.mirror(), kSession), DigestOfSession(line.atlas, kSession));
+}
+
 TEST(UplinkPlanner, ARootCulledBeforeItsHeirWasSentPassesOn) {
   Line line;
   UplinkPlanner planner({}, kSession);
