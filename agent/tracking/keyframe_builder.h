@@ -21,7 +21,7 @@ using RightImage = std::function<cv::Mat()>;
 
 // A frame with everything a keyframe holds, and the landmark tracked at each keypoint (none where none).
 struct BuiltKeyframe {
-  std::shared_ptr<const KeyframeData> data;
+  std::shared_ptr<KeyframeData> data;
   std::vector<LandmarkId> landmarks;
   int keypoints_with_depth = 0;
 };

@@ -203,6 +203,8 @@ void Tracker::ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const
     KeyframeCandidate candidate;
     candidate.id = KeyframeId{session_, ++keyframes_made_};
     candidate.map = map_;
+    built.data->arrival = {result.reference, result.pose.reference_from_frame.Inverse(), result.reference_scale.value,
+                           std::exchange(newest_keyframe_ns_, stamp_ns)};
     candidate.data = std::move(built.data);
     candidate.reference = result.reference;
     candidate.camera_from_reference = result.pose.reference_from_frame.Inverse();
@@ -241,6 +243,7 @@ bool Tracker::StartMap(std::int64_t stamp_ns, const cv::Mat& left, const RightIm
       StereoPoints(*built.data, options_.start_depth_baselines * camera_.baseline);
   if (std::cmp_less(points.size(), options_.min_start_points)) return false;
   BeginMap();
+  newest_keyframe_ns_ = stamp_ns;
   recent_keyframes_.Add(first_keyframe_, current_image_, KeyframeId{}, Rigid3d(), {});
   previous_ = LatestFrame{first_keyframe_, Rigid3d(), 1.0, stamp_ns, Vector6d::Zero(), points};
   result.state = TrackingState::kTracking;

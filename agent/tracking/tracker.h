@@ -132,6 +132,7 @@ class Tracker {
   int frames_searched_ = 0;       // of the lost ones, those that showed something
   bool lacks_templates_ = false;  // of what is in view: a keyframe here would give them
   std::uint32_t keyframes_made_ = 0;
+  std::int64_t newest_keyframe_ns_ = 0;  // stamp
   std::uint32_t maps_made_ = 0;
 };
 

@@ -28,6 +28,7 @@ void Tracker::Adopt(const MonocularOpening& opening, std::shared_ptr<const Keyfr
   first->camera = camera_;
   first->features = opening.first_features;
   const KeyframeId second_id{session_, ++keyframes_made_};
+  newest_keyframe_ns_ = second->stamp_ns;
   const Rigid3d& second_from_first = opening.second_from_first;
   recent_keyframes_.Add(first_keyframe_, opening.first_image, KeyframeId{}, Rigid3d(), {});
   recent_keyframes_.Add(second_id, current_image_, first_keyframe_, second_from_first, {});

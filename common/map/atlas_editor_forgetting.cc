@@ -47,6 +47,7 @@ void AtlasEditor::ForgetKeyframe(KeyframeId id) {
   place->stamp_ns = keyframe.data->stamp_ns;
   place->camera = keyframe.data->camera;
   place->vergence = keyframe.data->vergence;
+  place->arrival = keyframe.data->arrival;
   keyframe.data = std::move(place);
   keyframe.landmarks = {};
   keyframe.covisible = {};

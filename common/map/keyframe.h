@@ -11,12 +11,22 @@
 
 namespace pangaea {
 
+// Where a keyframe's camera was when its frame was tracked, before any adjustment: what became of that since, the
+// frames on the way to it share (common/map/frame_correction.h).
+struct TrackedArrival {
+  KeyframeId reference;  // that it was tracked against; none where it was not, as a map's first
+  Rigid3d camera_from_reference;
+  double reference_scale = 1.0;  // that the reference had then (Keyframe::scale)
+  std::int64_t since_ns = 0;     // when its session had made the keyframe before
+};
+
 // What a keyframe saw. Nobody writes to it after its creation; SetVergence alone puts another in its place.
 struct KeyframeData {
   std::int64_t stamp_ns = 0;
   IdealCamera camera;
   Features features;
   double vergence = 0.0;  // of the rig, radians, that the keypoints' u_right are for (common/geometry/vergence.h)
+  TrackedArrival arrival = {};
 };
 
 // The pose of an ordinary frame, held by its reference keyframe so that later corrections move it.

@@ -1,5 +1,6 @@
 #include "common/map/keyframe_codec.h"
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -9,6 +10,7 @@ namespace {
 
 constexpr std::uint8_t kFormat = 1;
 constexpr std::uint8_t kFormatWithVergence = 2;  // the same, and the vergence after the stamp
+constexpr std::uint8_t kFormatWithArrival = 3;   // the same, and the arrival after the vergence
 // Of a keypoint's first byte: the octave, and whether a column in the right image follows.
 constexpr std::uint8_t kOctaveMask = 0x7f;
 constexpr std::uint8_t kHasRight = 0x80;
@@ -74,14 +76,49 @@ IdealCamera ReadCamera(ByteReader& reader) {
   return camera;
 }
 
+void WriteArrival(const TrackedArrival& arrival, ByteWriter& writer) {
+  writer.Word(arrival.reference.session);
+  writer.Varint(arrival.reference.counter);
+  const Eigen::Quaterniond& rotation = arrival.camera_from_reference.rotation();
+  for (const double value : {rotation.w(), rotation.x(), rotation.y(), rotation.z()}) writer.Word(value);
+  for (const double value : arrival.camera_from_reference.translation()) writer.Word(value);
+  writer.Word(arrival.reference_scale);
+  writer.SignedVarint(arrival.since_ns);
+}
+
+TrackedArrival ReadArrival(ByteReader& reader) {
+  TrackedArrival arrival;
+  arrival.reference.session = reader.Word<SessionId>();
+  const std::uint64_t counter = reader.Varint();
+  std::array<double, 7> motion{};
+  for (double& value : motion) value = reader.Word<double>();
+  const Eigen::Quaterniond rotation(motion[0], motion[1], motion[2], motion[3]);
+  const auto rigid = Rigid3d::FromNormalized(rotation, {motion[4], motion[5], motion[6]});
+  arrival.reference_scale = reader.Word<double>();
+  arrival.since_ns = reader.SignedVarint();
+  if (!rigid || counter > std::numeric_limits<std::uint32_t>::max()) {
+    reader.Invalidate();
+    return {};
+  }
+  arrival.reference.counter = static_cast<std::uint32_t>(counter);
+  arrival.camera_from_reference = *rigid;
+  return arrival;
+}
+
+std::uint8_t FormatOf(const KeyframeData& data) {
+  if (data.arrival.reference.valid()) return kFormatWithArrival;
+  return data.vergence != 0.0 ? kFormatWithVergence : kFormat;
+}
+
 }  // namespace
 
 void EncodeKeyframeData(const KeyframeData& data, ByteWriter& writer) {
   const Features& features = data.features;
-  const bool turned = data.vergence != 0.0;
-  writer.Word(turned ? kFormatWithVergence : kFormat);
+  const std::uint8_t format = FormatOf(data);
+  writer.Word(format);
   writer.SignedVarint(data.stamp_ns);
-  if (turned) writer.Word(data.vergence);
+  if (format >= kFormatWithVergence) writer.Word(data.vergence);
+  if (format >= kFormatWithArrival) WriteArrival(data.arrival, writer);
   WriteCamera(data.camera, writer);
   writer.Varint(features.keypoints.size());
   if (IsNarrow(data.camera)) {
@@ -98,13 +135,14 @@ void EncodeKeyframeData(const KeyframeData& data, ByteWriter& writer) {
 
 Result<std::shared_ptr<const KeyframeData>> DecodeKeyframeData(ByteReader& reader) {
   const auto format = reader.Word<std::uint8_t>();
-  if (reader.ok() && format != kFormat && format != kFormatWithVergence) {
+  if (reader.ok() && (format < kFormat || format > kFormatWithArrival)) {
     reader.Invalidate();
     return Fail(ErrorCode::kUnsupported, "unknown format of keyframe data: " + std::to_string(format));
   }
   auto data = std::make_shared<KeyframeData>();
   data->stamp_ns = reader.SignedVarint();
-  if (format == kFormatWithVergence) data->vergence = reader.Word<double>();
+  if (format >= kFormatWithVergence) data->vergence = reader.Word<double>();
+  if (format >= kFormatWithArrival) data->arrival = ReadArrival(reader);
   data->camera = ReadCamera(reader);
   const bool narrow = IsNarrow(data->camera);
   const std::size_t count = reader.Count((narrow ? 6 : 10) + sizeof(Descriptor));

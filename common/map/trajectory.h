@@ -15,8 +15,9 @@ struct TrajectoryPose {
   Rigid3d map_from_camera;
 };
 
-// Every tracked frame of a session, keyframes among them, each through the keyframe that holds it, so where it is by
-// the latest knowledge; ascending by stamp, each stamp once. Of one map or of all.
+// Every tracked frame of a session, keyframes among them, each through the keyframe that holds it and with its share of
+// what became of the next one (FrameCorrection), so where it is by the latest knowledge; ascending by stamp, each stamp
+// once. Of one map or of all.
 std::vector<TrajectoryPose> SessionTrajectory(const Atlas& atlas, SessionId session,
                                               std::optional<MapId> map = std::nullopt);
 

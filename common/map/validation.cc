@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "common/map/edits/reference_scale.h"
 #include "common/map/limits.h"
 
 namespace pangaea {
@@ -95,9 +96,20 @@ Status CheckVergence(double vergence) {
   return Invalid("a vergence must be within " + std::to_string(kMaxVergence) + " rad of the calibration");
 }
 
+Status CheckArrival(const KeyframeData& data) {
+  const TrackedArrival& arrival = data.arrival;
+  if (!arrival.reference.valid()) return {};
+  if (auto status = CheckNewId(arrival.reference); !status) return status;
+  if (auto status = CheckPose(arrival.camera_from_reference); !status) return status;
+  if (auto status = CheckScale({arrival.reference_scale}); !status) return status;
+  if (arrival.since_ns < data.stamp_ns) return {};
+  return Invalid("a keyframe that arrived before the one before it");
+}
+
 Status CheckKeyframeData(const KeyframeData& data) {
   if (auto status = CheckCamera(data.camera); !status) return status;
   if (auto status = CheckVergence(data.vergence); !status) return status;
+  if (auto status = CheckArrival(data); !status) return status;
   const auto& keypoints = data.features.keypoints;
   if (keypoints.size() > kMaxKeypoints) return Invalid("more than " + std::to_string(kMaxKeypoints) + " keypoints");
   if (data.features.descriptors.size() != keypoints.size())

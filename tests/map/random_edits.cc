@@ -43,7 +43,9 @@ AddKeyframe RandomEdits::MakeKeyframe(const Atlas& atlas) {
   edit.id = {AnySession(), static_cast<std::uint32_t>(keyframes_.size()) + 1};
   keyframes_.push_back(edit.id);
   edit.camera_from_parent = AnyPose();
-  edit.data = MakeData(kKeypoints, stamp_ns_ += 10);
+  auto data = std::make_shared<KeyframeData>(*MakeData(kKeypoints, stamp_ns_ += 10));
+  if (Below(2) == 0) data->arrival = {AnyKeyframe(), AnyPose(), 1.0, stamp_ns_ - 20};
+  edit.data = std::move(data);
   edit.parent_scale = AnyScale();
   if (keyframes_.size() < 2 || Below(10) == 0) {
     edit.map = {edit.id.session, static_cast<std::uint32_t>(maps_.size()) + 1};

@@ -1,6 +1,7 @@
 #include "common/map/edits/remove_keyframe.h"
 
 #include "common/map/atlas_editor.h"
+#include "common/map/frame_correction.h"
 #include "common/map/map_bytes.h"
 #include "common/map/validation.h"
 
@@ -19,6 +20,21 @@ void HandFramesOn(const Keyframe& culled, AtlasEditor& editor) {
   editor.InsertFrames(parent->keyframe->id, frames);
 }
 
+// What came on the way to it keeps its share of what became of it.
+void CorrectFramesBefore(const Keyframe& culled, AtlasEditor& editor) {
+  const auto correction = FrameCorrection::Of(culled, editor.atlas());
+  if (!correction) return;
+  const auto frames = editor.atlas().FindKeyframe(correction->holder())->frames;
+  if (frames == nullptr) return;
+  std::vector<FramePose> corrected;
+  for (const FramePose& frame : *frames) {
+    if (!correction->Corrects(frame)) continue;
+    corrected.push_back(frame);
+    corrected.back().reference_from_frame = correction->HolderFromFrame(frame);
+  }
+  if (!corrected.empty()) editor.InsertFrames(correction->holder(), corrected);
+}
+
 // A root with children hangs below the first of them, which becomes the root and takes the others.
 void PassRootOn(KeyframeId root, AtlasEditor& editor) {
   const std::vector<KeyframeId> children = editor.atlas().FindKeyframe(root)->children;
@@ -35,6 +51,7 @@ Status Validate(const RemoveKeyframe& edit, const Atlas& atlas) { return CheckKn
 void ApplyValid(const RemoveKeyframe& edit, AtlasEditor& editor) {
   const Keyframe* keyframe = editor.atlas().FindKeyframe(edit.id);
   if (keyframe == nullptr) return;
+  CorrectFramesBefore(*keyframe, editor);
   editor.UnobserveAll(edit.id);
   keyframe = editor.atlas().FindKeyframe(edit.id);
   if (!keyframe->parent.valid() && !keyframe->children.empty()) PassRootOn(edit.id, editor);
