@@ -73,6 +73,11 @@ bool Downlink::Await(Time deadline) {
   return ready_.has_value();
 }
 
+bool Downlink::agrees() {
+  MutexLock lock(mutex_);
+  return agreed_claim_ >= claimed_;
+}
+
 void Downlink::EndWaiting() {
   MutexLock lock(mutex_);
   hurried_ = true;

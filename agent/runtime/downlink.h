@@ -24,7 +24,7 @@ class Downlink {
   Status Receive(CorrectionPart part, const EditStream& stream);
   void OnAck(const EditAck& ack) EXCLUDES(mutex_);
   void OnServerLost() EXCLUDES(mutex_);
-  // The server was asked whether this claim is true: Await waits for what it says.
+  // The server was asked whether this claim is true: Await waits for what it says. 0: it is not asked any more.
   void OnClaim(std::uint64_t number) EXCLUDES(mutex_);
   void Offer(EditStream& stream) EXCLUDES(mutex_);
   // Mapping's batch with the correction that was taken has come.
@@ -33,6 +33,8 @@ class Downlink {
   // Any thread; see UplinkThread.
   std::optional<ReadyCorrection> Take() EXCLUDES(mutex_);
   bool Await(Time deadline) EXCLUDES(mutex_);
+  // Whether the server found the newest claim true, or nobody waits for that.
+  bool agrees() EXCLUDES(mutex_);
   void EndWaiting() EXCLUDES(mutex_);
 
  private:

@@ -98,7 +98,11 @@ class UplinkLoop final : public UplinkThread {
 
   std::vector<KeyframeId> TakeForgettable() override { return advice_.Take(); }
 
-  bool AwaitCorrection(std::chrono::milliseconds patience) override { return downlink_.Await(Clock::now() + patience); }
+  bool AwaitCorrection(std::chrono::milliseconds patience) override {
+    if (downlink_.Await(Clock::now() + patience)) return true;
+    if (!downlink_.agrees()) spdlog::warn("the server did not say in time that it holds the same map");
+    return false;
+  }
 
   void AskWhere(std::uint64_t request, std::shared_ptr<const KeyframeData> frame) override {
     (void)events_.Push(WhereRequest{request, std::move(frame)});
@@ -239,7 +243,9 @@ class UplinkLoop final : public UplinkThread {
 
   // That both hold the same now.
   void Claim() {
+    if (!local_.server_present) return;  // nobody is there to agree
     if (in_vain_ >= kMostCompleteCorrections) {
+      downlink_.OnClaim(0);
       if (std::exchange(told_differ_, true)) return;
       local_.last_error = "the server's map still differs from this agent's after complete corrections";
       return spdlog::warn("{}", local_.last_error);

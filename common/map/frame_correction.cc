@@ -7,9 +7,7 @@ namespace pangaea {
 std::optional<FrameCorrection> FrameCorrection::Of(const Keyframe& arrived, const Atlas& atlas) {
   const TrackedArrival& arrival = arrived.data->arrival;
   const auto reference = atlas.ResolvePose(arrival.reference);
-  if (!reference || reference->keyframe->map != arrived.map || reference->keyframe->id == arrived.id) {
-    return std::nullopt;
-  }
+  if (!reference || reference->keyframe->map != arrived.map || arrival.reference == arrived.id) return std::nullopt;
   const Keyframe& holder = *reference->keyframe;
   const double factor = LengthFactor(holder, {arrival.reference_scale});
   const Rigid3d tracked_from_holder =
@@ -25,7 +23,11 @@ std::optional<FrameCorrection> FrameCorrection::Of(const Keyframe& arrived, cons
 }
 
 Rigid3d FrameCorrection::HolderFromFrame(const FramePose& frame) const {
-  const double share = static_cast<double>(frame.stamp_ns - since_ns_) / static_cast<double>(until_ns_ - since_ns_);
+  // Ascending, but their difference need not fit a signed number.
+  const auto nanoseconds_since = [this](std::int64_t stamp_ns) {
+    return static_cast<double>(static_cast<std::uint64_t>(stamp_ns) - static_cast<std::uint64_t>(since_ns_));
+  };
+  const double share = nanoseconds_since(frame.stamp_ns) / nanoseconds_since(until_ns_);
   return frame.reference_from_frame * Rigid3d::Exp(-share * correction_);
 }
 

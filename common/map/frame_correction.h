@@ -1,9 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
-#include <vector>
 
 #include "common/geometry/rigid3.h"
 #include "common/map/atlas.h"
@@ -20,7 +18,8 @@ class FrameCorrection {
   // Nothing where it was not tracked, or where its reference is in another map by now.
   static std::optional<FrameCorrection> Of(const Keyframe& arrived, const Atlas& atlas);
 
-  // The keyframe that holds the frames that it corrects.
+  // The keyframe that holds the frames that it corrects: its reference, or what that was culled into, which may be the
+  // arrived one itself.
   KeyframeId holder() const { return holder_; }
   // When it arrived; it corrects what was tracked before.
   std::int64_t until_ns() const { return until_ns_; }

@@ -59,7 +59,7 @@ class SessionDownlink {
     std::uint64_t correction = 0;
     std::vector<KeyframeId> new_guests = {};
     KeyframeId place = {};
-    bool answers_claim = false;
+    int answers = 0;  // to claims that were wrong, this one included, in a row
   };
   void Confirm();
   std::optional<std::uint64_t> NextVersion(std::uint64_t position) const;

@@ -98,6 +98,11 @@ TEST_F(DownlinkTest, WaitingEndsWhenTheServerAgreesWithTheNewestClaim) {
   downlink_.OnClaim(3);
   downlink_.OnServerLost();
   EXPECT_FALSE(downlink_.Await(Downlink::Time::max())) << "nobody is left to agree";
+  EXPECT_TRUE(downlink_.agrees());
+  downlink_.OnClaim(4);
+  EXPECT_FALSE(downlink_.agrees());
+  downlink_.OnClaim(0);
+  EXPECT_FALSE(downlink_.Await(Downlink::Time::max())) << "it is not asked any more";
 }
 
 TEST_F(DownlinkTest, ACorrectionIsCompleteOnlyWhereNothingWasSentSince) {

@@ -439,6 +439,20 @@ TEST(SessionDownlink, WhatAnotherAgentChangedOfWhatBothSeeIsToldInAnswerToAClaim
   EXPECT_EQ(correction->pieces.at(0).removed, std::vector{L(1)});
 }
 
+// Each answer may come too late while others fly, but not for ever.
+TEST(SessionDownlink, WhileOthersGoOnChangingTheMapThreeAnswersTellWhatChangedBeforeOneTellsEverything) {
+  const SmallWorld world = TwoSessions();
+  SessionDownlink downlink(kAnna, {.wanted = 0});
+  std::uint64_t applied = 0;
+  for (std::uint64_t number = 1; number <= 4; ++number) {
+    downlink.Take(Claim(applied, {number, 7, 5}));
+    const auto answer = downlink.Next(View(world, 10 + number, 0));
+    ASSERT_TRUE(answer);
+    EXPECT_EQ(answer->complete, number == 4) << number;
+    applied = answer->version;
+  }
+}
+
 TEST(SessionDownlink, WhatTheAgentHasForgottenIsNoPartOfItsClaim) {
   const SmallWorld world = TwoSessions();
   SessionDownlink downlink(kAnna, {.wanted = 0});
