@@ -97,6 +97,7 @@ nlohmann::json ReportOf(const AgentRun& run) {
       {"repairs", run.uplink.repairs},
       {"corrections", run.uplink.corrections},
       {"complete_corrections", run.uplink.complete_corrections},
+      {"agreed", run.uplink.agreed},
       {"bytes_received", run.uplink.bytes_received},
       {"guest_keyframes", run.atlas->keyframe_count() - run.atlas->keyframe_count(run.session)},
       {"own_landmarks", run.atlas->landmark_count(run.session)},
@@ -111,10 +112,11 @@ std::string SummaryOf(const AgentRun& run) {
   std::string text = fmt::format("{}: {} of {} frames tracked in {} map{}, {} dropped, {} skipped\n", run.name,
                                  run.flight.tracked, run.source.frames, run.atlas->Maps().size(),
                                  run.atlas->Maps().size() == 1 ? "" : "s", run.source.dropped, run.source.skipped);
-  text += fmt::format("  {} keyframes, {} landmarks; {:.1f} s wall, {:.1f} s CPU, {:.0f} MiB; {:.1f} MB sent{}\n",
-                      run.atlas->keyframe_count(), run.atlas->landmark_count(), run.wall_seconds, run.cpu_seconds,
-                      run.peak_rss_mib, 1e-6 * static_cast<double>(run.uplink.bytes_sent),
-                      run.acknowledged ? ", all acknowledged" : "");
+  text +=
+      fmt::format("  {} keyframes, {} landmarks; {:.1f} s wall, {:.1f} s CPU, {:.0f} MiB; {:.1f} MB sent{}{}\n",
+                  run.atlas->keyframe_count(), run.atlas->landmark_count(), run.wall_seconds, run.cpu_seconds,
+                  run.peak_rss_mib, 1e-6 * static_cast<double>(run.uplink.bytes_sent),
+                  run.acknowledged ? ", all acknowledged" : "", run.uplink.agreed ? ", the same at the server" : "");
   if (run.unconfirmed) text += fmt::format("  NOT CONFIRMED by the server: {}\n", run.unconfirmed->message);
   text += fmt::format("  {:<28}{:>8}{:>10}{:>10}{:>10}\n", "stage", "count", "median ms", "mean ms", "p95 ms");
   for (const auto& [name, statistics] : run.stages) {

@@ -198,7 +198,8 @@ class UplinkLoop final : public UplinkThread {
 
   void Handle(EditAck& ack) {
     downlink_.OnAck(ack);
-    if (ack.agreed_claim == claims_) in_vain_ = 0;
+    local_.agreed = claims_ > 0 && ack.agreed_claim == claims_;
+    if (local_.agreed) in_vain_ = 0;
     for (const Rejection& rejection : stream_.OnAck(ack, Clock::now())) {
       local_.last_error = "the server rejected envelope " + std::to_string(rejection.sequence) + ": " + rejection.text;
       if (local_.rejections++ == 0) spdlog::warn("{}; what it lacks is sent anew", local_.last_error);
@@ -243,6 +244,7 @@ class UplinkLoop final : public UplinkThread {
 
   // That both hold the same now.
   void Claim() {
+    local_.agreed = false;
     if (!local_.server_present) return;  // nobody is there to agree
     if (in_vain_ >= kMostCompleteCorrections) {
       downlink_.OnClaim(0);

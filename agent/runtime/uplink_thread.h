@@ -59,6 +59,7 @@ struct UplinkCounters {
   std::uint64_t bytes_received = 0;        // octets of corrections
   std::uint64_t forgotten = 0;             // keyframes, each time that one was
   std::uint64_t repairs = 0;               // how often it planned anew what was missing after rejections
+  bool agreed = false;                     // the server found the newest claim true: both held the same then
   bool server_present = false;
   bool server_seen = false;  // at any time
   std::string last_error;    // empty: none

@@ -126,6 +126,7 @@ TEST_F(AgentSystem, CtrlCWithAServerEverythingInFlightIsSentAndTheFilesAreWritte
     const json report = Report("a1");
     EXPECT_LT(report.at("tracked"), kFrames) << "it was to end early";
     EXPECT_EQ(report.at("acknowledged"), true);
+    EXPECT_EQ(report.at("agreed"), true);
     EXPECT_EQ(Stored("a1").at("digest"), report.at("digest"));
     EXPECT_TRUE(std::filesystem::exists(File("a1.tum")));
     EXPECT_TRUE(std::filesystem::exists(File("a1.live.tum")));
