@@ -60,13 +60,22 @@ Result<ServerOptions> OptionsOf(const CommandLine& line) {
   return options;
 }
 
-// Blocks the signals that end the server in this thread and all threads it will start, so that sigwait gets them.
+pthread_t waiting_thread;
+extern "C" void PassOn(int signal) { pthread_kill(waiting_thread, signal); }
+
+// Blocks the signals that end the server in this thread and all threads it will start, so that sigwait gets them. A
+// library may have started threads of its own before (OpenBLAS does, when it is loaded): these pass them on.
 sigset_t BlockStopSignals() {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGTERM);
   sigaddset(&signals, SIGINT);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  waiting_thread = pthread_self();
+  struct sigaction pass_on {};
+  pass_on.sa_handler = PassOn;
+  pass_on.sa_flags = SA_RESTART;
+  for (const int signal : {SIGTERM, SIGINT}) sigaction(signal, &pass_on, nullptr);
   return signals;
 }
 
