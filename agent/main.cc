@@ -1,10 +1,8 @@
-#include <semaphore.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <atomic>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
@@ -17,6 +15,7 @@
 #include "agent/runtime/agent_output.h"
 #include "agent/runtime/agent_run.h"
 #include "common/base/process_memory.h"
+#include "common/base/stop_signals.h"
 #include "common/base/version.h"
 
 namespace pangaea {
@@ -25,29 +24,21 @@ namespace {
 constexpr int kFailed = 1;
 constexpr int kWrongUsage = 2;
 
-// Turns SIGINT and SIGTERM into requests: the first asks for an end in order, the second for one without waiting for
-// the server. A handler, because blocking the signals for sigwait would not reach threads that libraries start before
-// main.
+// Turns signals into requests: the first asks for an end in order, the second for one without waiting for the server.
 class SignalWatch {
  public:
   SignalWatch() {
-    sem_init(&arrived_, 0, 0);
     thread_ = std::thread([this] {
       for (std::stop_source* source : {&stop_, &hurry_}) {
-        while (sem_wait(&arrived_) != 0) continue;  // interrupted
+        signals_.Wait();
         if (over_) return;
         source->request_stop();
       }
     });
-    struct sigaction action {};
-    action.sa_handler = [](int) { sem_post(&arrived_); };
-    action.sa_flags = SA_RESTART;
-    sigaction(SIGINT, &action, nullptr);
-    sigaction(SIGTERM, &action, nullptr);
   }
   ~SignalWatch() {
     over_ = true;
-    sem_post(&arrived_);
+    signals_.Post();
     thread_.join();
   }
   SignalWatch(const SignalWatch&) = delete;
@@ -57,7 +48,7 @@ class SignalWatch {
   std::stop_token hurry() const { return hurry_.get_token(); }
 
  private:
-  static inline sem_t arrived_;  // a handler has no object
+  StopSignals signals_;
   std::atomic<bool> over_ = false;
   std::stop_source stop_;
   std::stop_source hurry_;

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "cli/interrupt.h"
+#include "common/base/stop_signals.h"
 #include "common/lcm/recording_publisher.h"
 #include "common/lcm/url.h"
 #include "common/sensor/dataset.h"
@@ -38,13 +38,13 @@ Status Publish(const PublishArguments& arguments) {
   const auto sender = LcmSender::Open(*url);
   if (!sender) return tl::make_unexpected(sender.error());
   RecordingPublisher publisher(*dataset, **sender, arguments.options);
-  Interrupt interrupt;
+  StopSignals signals;
   const auto start = std::chrono::steady_clock::now();
   for (const DatasetFrame& frame : dataset->frames) {
     // A log is written as fast as it can be: its stamps are the recording's.
     const auto due = (*sender)->is_live() ? Due(frame.stamp_ns - dataset->frames.front().stamp_ns, arguments.rate)
                                           : std::chrono::nanoseconds(0);
-    if (interrupt.WaitUntil(start + due)) break;
+    if (signals.WaitUntil(start + due)) break;
     if (Status status = publisher.Publish(frame); !status) return status;
   }
   if (Status closed = (*sender)->Close(); !closed) return closed;

@@ -1,8 +1,6 @@
-#include <pthread.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <cstdlib>
 #include <iostream>
 #include <optional>
@@ -10,6 +8,7 @@
 
 #include "common/base/mutex.h"
 #include "common/base/process_memory.h"
+#include "common/base/stop_signals.h"
 #include "server/runtime/server.h"
 
 #ifndef PANGAEA_VERSION
@@ -60,33 +59,16 @@ Result<ServerOptions> OptionsOf(const CommandLine& line) {
   return options;
 }
 
-pthread_t waiting_thread;
-extern "C" void PassOn(int signal) { pthread_kill(waiting_thread, signal); }
-
-// Blocks the signals that end the server in this thread and all threads it will start, so that sigwait gets them. A
-// library may have started threads of its own before (OpenBLAS does, when it is loaded): these pass them on.
-sigset_t BlockStopSignals() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  waiting_thread = pthread_self();
-  struct sigaction pass_on {};
-  pass_on.sa_handler = PassOn;
-  pass_on.sa_flags = SA_RESTART;
-  for (const int signal : {SIGTERM, SIGINT}) sigaction(signal, &pass_on, nullptr);
-  return signals;
-}
-
 // Why the server stops by itself, if it does.
 class Failure {
  public:
+  explicit Failure(StopSignals& signals) : signals_(signals) {}
+
   // Any thread. Ends the wait in main the way an operator would.
   void Report(const Error& error) EXCLUDES(mutex_) {
     MutexLock lock(mutex_);
     message_ = error.message;
-    kill(getpid(), SIGTERM);
+    signals_.Post();
   }
   std::string message() const EXCLUDES(mutex_) {
     MutexLock lock(mutex_);
@@ -94,20 +76,20 @@ class Failure {
   }
 
  private:
+  StopSignals& signals_;
   mutable Mutex mutex_;
   std::string message_ GUARDED_BY(mutex_);
 };
 
 int Serve(const ServerOptions& options) {
-  const sigset_t signals = BlockStopSignals();
-  Failure failure;
+  StopSignals signals;
+  Failure failure(signals);
   auto server = Server::Start(options, [&failure](const Error& error) { failure.Report(error); });
   if (!server) {
     std::cerr << "pangaea-server: " << server.error().message << "\n";
     return kExitFailed;
   }
-  int signal = 0;
-  sigwait(&signals, &signal);
+  signals.Wait();
   spdlog::info("stopping");
   server->reset();
   if (failure.message().empty()) return 0;

@@ -1,9 +1,10 @@
 #include "common/map/keyframe_codec.h"
 
-#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
+
+#include "common/map/map_bytes.h"
 
 namespace pangaea {
 namespace {
@@ -76,32 +77,21 @@ IdealCamera ReadCamera(ByteReader& reader) {
   return camera;
 }
 
-void WriteArrival(const TrackedArrival& arrival, ByteWriter& writer) {
-  writer.Word(arrival.reference.session);
-  writer.Varint(arrival.reference.counter);
-  const Eigen::Quaterniond& rotation = arrival.camera_from_reference.rotation();
-  for (const double value : {rotation.w(), rotation.x(), rotation.y(), rotation.z()}) writer.Word(value);
-  for (const double value : arrival.camera_from_reference.translation()) writer.Word(value);
-  writer.Word(arrival.reference_scale);
-  writer.SignedVarint(arrival.since_ns);
+void WriteArrival(const TrackedArrival& arrival, ByteWriter& bytes) {
+  MapWriter writer(bytes);
+  writer.WriteId(arrival.reference);
+  writer.WriteRigid(arrival.camera_from_reference);
+  bytes.Word(arrival.reference_scale);
+  bytes.SignedVarint(arrival.since_ns);
 }
 
-TrackedArrival ReadArrival(ByteReader& reader) {
+TrackedArrival ReadArrival(ByteReader& bytes) {
+  MapReader reader(bytes);
   TrackedArrival arrival;
-  arrival.reference.session = reader.Word<SessionId>();
-  const std::uint64_t counter = reader.Varint();
-  std::array<double, 7> motion{};
-  for (double& value : motion) value = reader.Word<double>();
-  const Eigen::Quaterniond rotation(motion[0], motion[1], motion[2], motion[3]);
-  const auto rigid = Rigid3d::FromNormalized(rotation, {motion[4], motion[5], motion[6]});
-  arrival.reference_scale = reader.Word<double>();
-  arrival.since_ns = reader.SignedVarint();
-  if (!rigid || counter > std::numeric_limits<std::uint32_t>::max()) {
-    reader.Invalidate();
-    return {};
-  }
-  arrival.reference.counter = static_cast<std::uint32_t>(counter);
-  arrival.camera_from_reference = *rigid;
+  arrival.reference = reader.ReadId<KeyframeTag>();
+  arrival.camera_from_reference = reader.ReadRigid();
+  arrival.reference_scale = bytes.Word<double>();
+  arrival.since_ns = bytes.SignedVarint();
   return arrival;
 }
 

@@ -52,7 +52,7 @@ Result<UndoReport> AtlasService::Undo(const std::string& cause) {
 
 void AtlasService::Tick() { (void)queue_.TryPush(TickJob{}); }
 
-void AtlasService::AcknowledgeAgain() { (void)queue_.TryPush(AckJob{}); }
+bool AtlasService::AcknowledgeAgain() { return queue_.TryPush(AckJob{}); }
 
 void AtlasService::SetStoreQuota(std::uint64_t max_bytes) { (void)queue_.Push(QuotaJob{max_bytes}); }
 

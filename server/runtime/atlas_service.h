@@ -39,8 +39,9 @@ class AtlasService {
   void Propose(EditsProposed proposal, Answer answer);
   // Any thread but the atlas thread: proposes and waits for the answer.
   ProposalAnswer ProposeAndWait(EditsProposed proposal);
-  // Any thread: acknowledges to every living session once more what it has; acks carry more than numbers.
-  void AcknowledgeAgain();
+  // Any thread: acknowledges to every living session once more what it has; acks carry more than numbers. False, and
+  // nothing happens, while the queue is full.
+  bool AcknowledgeAgain();
   // Any thread but the atlas thread: takes a cause back (server/storage/undo.h) and goes on with the atlas without it.
   // Nothing that was planned on the atlas before may be proposed afterwards: stop the work on it first. Errors as
   // UndoCause; kUnavailable after Stop() and while the store takes nothing.

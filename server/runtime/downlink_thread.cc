@@ -143,8 +143,8 @@ void DownlinkThread::SayWhatChanged() {
            (before.working && !said.working);
     now[id] = said;
   }
-  said_ = std::move(now);
-  if (news) service_.AcknowledgeAgain();
+  // Else it is news the next time.
+  if (!news || service_.AcknowledgeAgain()) said_ = std::move(now);
 }
 
 }  // namespace pangaea

@@ -38,6 +38,7 @@ class CorrectingServer {
   void Take(const Envelope& envelope) {
     if (envelope.sequence != up_to + 1) return;
     ++up_to;
+    if (position_ > 0) ++position_;
     const auto edits = DecodeEdits(envelope.edits);
     ASSERT_TRUE(edits);
     for (const MapEdit& edit : *edits) {

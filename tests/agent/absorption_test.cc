@@ -99,6 +99,15 @@ class Correspondence {
     if (choice < 96) return on_the_way.push_back(server.Tell(interest));
     AbsorbOne();
   }
+  // So many steps, a last correction, and then until nothing is under way in either direction.
+  void Run(int steps) {
+    for (int step = 0; step < steps; ++step) {
+      Step();
+      if (testing::Test::HasFatalFailure()) return;
+    }
+    on_the_way.push_back(server.Tell(interest));
+    Settle();
+  }
   // Until nothing is under way in either direction.
   void Settle() {
     for (int round = 0; round < 20; ++round) {
@@ -239,12 +248,7 @@ TEST(Absorption, OfTwoFusionsThatCrossTheServersHolds) {
 
 TEST_P(AbsorptionHistory, WhateverTheServerCorrectsAndWheneverItArrivesBothEndWithTheSame) {
   Correspondence pair(GetParam());
-  for (int step = 0; step < 1500; ++step) {
-    pair.Step();
-    ASSERT_FALSE(HasFatalFailure());
-  }
-  pair.on_the_way.push_back(pair.server.Tell());
-  pair.Settle();
+  pair.Run(1500);
   ASSERT_FALSE(HasFatalFailure());
   EXPECT_FALSE(pair.stream.gave_up());
   EXPECT_EQ(pair.stream.repairs(), 0U);
@@ -257,12 +261,7 @@ TEST_P(AbsorptionHistory, WhateverTheServerCorrectsAndWheneverItArrivesBothEndWi
 
 TEST_P(AbsorptionHistory, WhateverTheAgentForgetsAndWhateverComesBackBothEndWithTheSame) {
   Correspondence pair(GetParam(), true);
-  for (int step = 0; step < 2500; ++step) {
-    pair.Step();
-    ASSERT_FALSE(HasFatalFailure());
-  }
-  pair.on_the_way.push_back(pair.server.Tell(pair.interest));
-  pair.Settle();
+  pair.Run(2500);
   ASSERT_FALSE(HasFatalFailure());
   EXPECT_FALSE(pair.stream.gave_up());
   EXPECT_EQ(pair.stream.repairs(), 0U);
@@ -281,18 +280,15 @@ TEST_P(AbsorptionHistory, WhateverTheAgentForgetsAndWhateverComesBackBothEndWith
 TEST_P(AbsorptionHistory, WhateverTheServerKeptToItselfAfterAClaimBothHoldTheSame) {
   const bool forgets = GetParam() % 2 == 0;
   Correspondence pair(GetParam(), forgets);
-  for (int step = 0; step < 800; ++step) {
-    pair.Step();
-    ASSERT_FALSE(HasFatalFailure());
-  }
-  pair.on_the_way.push_back(pair.server.Tell(pair.interest));
-  pair.Settle();
+  pair.Run(800);
   ASSERT_FALSE(HasFatalFailure());
   for (int i = 0; i < 30; ++i) pair.server.Work();
   pair.server.ForgetWhatChanged();
   EXPECT_TRUE(pair.Agree()) << testing::PrintToString(Differences(pair.agent.atlas(), pair.server.atlas));
-  // What it asks back may bring all of it.
-  EXPECT_GE(pair.complete, forgets ? 0 : 1);
+  // What a forgetting agent asks back may have brought all of it.
+  if (!forgets) {
+    EXPECT_GE(pair.complete, 1);
+  }
   EXPECT_EQ(CheckConsistency(pair.agent.atlas()), std::vector<std::string>{});
   EXPECT_EQ(Differences(pair.agent.atlas(), pair.server.atlas), std::vector<std::string>{});
   EXPECT_EQ(CheckConsistency(pair.server.atlas), std::vector<std::string>{});

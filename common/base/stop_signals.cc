@@ -1,22 +1,27 @@
-#include "cli/interrupt.h"
+#include "common/base/stop_signals.h"
 
 #include <cerrno>
 #include <ctime>
 
 namespace pangaea {
 
-Interrupt::Interrupt() {
+StopSignals::StopSignals() {
   sem_init(&arrived_, 0, 0);
   struct sigaction action {};
   action.sa_handler = [](int) { sem_post(&arrived_); };
+  action.sa_flags = SA_RESTART;
   for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &action, &before_[i]);
 }
 
-Interrupt::~Interrupt() {
+StopSignals::~StopSignals() {
   for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &before_[i], nullptr);
 }
 
-bool Interrupt::WaitUntil(std::chrono::steady_clock::time_point due) {
+void StopSignals::Wait() {
+  while (sem_wait(&arrived_) != 0) continue;  // interrupted
+}
+
+bool StopSignals::WaitUntil(std::chrono::steady_clock::time_point due) {
   using std::chrono::seconds, std::chrono::nanoseconds, std::chrono::duration_cast;
   const auto since = due.time_since_epoch();
   const auto whole = duration_cast<seconds>(since);
