@@ -26,7 +26,6 @@ LocalMapper::LocalMapper(SessionId session, LocalMappingOptions options)
     : session_(session), options_(options), trials_(options.landmark_culling) {}
 
 bool LocalMapper::Insert(const KeyframeCandidate& candidate, StageRecorder& stages, std::stop_token stop) {
-  const StageScope whole(stages, "local_mapping");
   {
     const StageScope stage(stages, "mapping.insert");
     KeyframeCandidate corrected = candidate;
@@ -63,7 +62,6 @@ bool LocalMapper::Insert(const KeyframeCandidate& candidate, StageRecorder& stag
 }
 
 bool LocalMapper::Open(const MapOpening& opening, StageRecorder& stages) {
-  const StageScope whole(stages, "local_mapping");
   {
     const StageScope stage(stages, "mapping.insert");
     std::vector<MapEdit> edits = OpenMap(atlas_, opening, NextLandmark());

@@ -27,13 +27,13 @@ class LocalMapper {
   // `options` have passed Check().
   LocalMapper(SessionId session, LocalMappingOptions options);
 
-  // Everything that one keyframe causes. Stages: "local_mapping" around "mapping.insert", "mapping.cull_landmarks",
-  // "mapping.search", "mapping.create", "mapping.fuse", "mapping.bundle_adjustment", "mapping.cull_keyframes"; where
-  // the camera came back to an old place, now and then "mapping.wide_adjustment" after the bundle adjustment; with two
-  // cameras, when there are twice as many keyframes as last time, "mapping.vergence". When
-  // `stop` is requested (a newer keyframe waits), fusion, bundle adjustments and keyframe culling are left out or cut
-  // short; the map is consistent all the same. False, and nothing done, for a candidate that cannot enter the map: its
-  // map is closed, its id is in use, or its reference is unknown.
+  // Everything that one keyframe causes. Stages: "mapping.insert", "mapping.cull_landmarks", "mapping.search",
+  // "mapping.create", "mapping.fuse", "mapping.bundle_adjustment", "mapping.cull_keyframes"; where the camera came back
+  // to an old place, now and then "mapping.wide_adjustment" after the bundle adjustment; with two cameras, when there
+  // are twice as many keyframes as last time, "mapping.vergence". When `stop` is requested (a newer keyframe waits),
+  // fusion, bundle adjustments and keyframe culling are left out or cut short; the map is consistent all the same.
+  // False, and nothing done, for a candidate that cannot enter the map: its map is closed, its id is in use, or its
+  // reference is unknown.
   bool Insert(const KeyframeCandidate& candidate, StageRecorder& stages, std::stop_token stop = {});
   // The same for the beginning of a monocular map.
   bool Open(const MapOpening& opening, StageRecorder& stages);

@@ -117,6 +117,11 @@ LocalMappingOptions MappingOptionsFor(const AgentOptions& options) {
   return mapping;
 }
 
+KeyframeBuilder BuilderFor(const AgentOptions& options, const IdealCamera& camera) {
+  const TrackingOptions tracking = options.tracking.ForCamera(camera);
+  return {camera, tracking.orb, tracking.stereo};
+}
+
 void MeasureProcess(AgentRun& run) {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -141,7 +146,8 @@ Result<AgentRun> RunAgent(const AgentOptions& options, const std::stop_token& st
   spdlog::info("{}: session {}, {} frames, {}, {}", run.name, ToString(run.session),
                frame_count ? std::to_string(*frame_count) : "unknown", inputs->camera.kind,
                options.use_server ? "site " + options.site : "without a server");
-  MappingWorker worker(run.session, MappingOptionsFor(options), link->uplink.get());
+  MappingWorker worker(run.session, BuilderFor(options, rectifier.camera()), MappingOptionsFor(options),
+                       link->uplink.get());
   const Rigid3d camera_from_body = rectifier.body_from_camera().Inverse();
   Tracker tracker(run.session, rectifier.camera(), options.tracking, inputs->vocabulary, options.seed);
   FlightRecorder recorder(run.session, run.name, frame_count, camera_from_body);

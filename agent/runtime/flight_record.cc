@@ -9,9 +9,7 @@
 
 namespace pangaea {
 
-bool BeginsMap(const TrackingResult& result) {
-  return result.opening != nullptr || (result.keyframe && !result.keyframe->reference.valid());
-}
+bool BeginsMap(const TrackingResult& result) { return result.opening != nullptr || result.root.has_value(); }
 
 void FlightRecorder::Take(std::int64_t stamp_ns, const TrackingResult& result, const Atlas& atlas) {
   Count(stamp_ns, result);

@@ -62,20 +62,21 @@ TrackingResult FrameLoop::Track(const SourceFrame& frame, const std::shared_ptr<
     StageScope scope(stages_, "rectification");
     left = rectifier_.RectifyLeft(frame.left);
   }
-  return tracker_.Track(
-      frame.stamp_ns, left, [&] { return ReadRight(frame); }, atlas, stages_);
+  return tracker_.Track(frame.stamp_ns, left, RightImageOf(frame), atlas, stages_);
 }
 
-// An empty image where there is none to be had: the keyframe is then without depth.
-cv::Mat FrameLoop::ReadRight(const SourceFrame& frame) {
+// Outlives the frame, not the loop. An empty image where there is none to be had: the keyframe is then without depth.
+RightImage FrameLoop::RightImageOf(const SourceFrame& frame) {
   if (!frame.right) return {};
-  Result<cv::Mat> image = [&] {
-    StageScope scope(stages_, StageClock::kDecode);
-    return frame.right();
-  }();
-  if (image) return rectifier_.RectifyRight(*image);
-  if (unreadable_++ == 0) spdlog::warn("keyframe without depth: {}", image.error().message);
-  return {};
+  return [this, load = frame.right](StageRecorder& stages) -> cv::Mat {
+    Result<cv::Mat> image = [&] {
+      const StageScope scope(stages, StageClock::kDecode);
+      return load();
+    }();
+    if (image) return rectifier_.RectifyRight(*image);
+    if (!warned_of_unreadable_.exchange(true)) spdlog::warn("keyframe without depth: {}", image.error().message);
+    return {};
+  };
 }
 
 void FrameLoop::TakeAnswer() {

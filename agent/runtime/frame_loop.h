@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <memory>
 #include <opencv2/core/mat.hpp>
@@ -44,7 +45,7 @@ class FrameLoop {
   void MapBetweenFrames(MappingInput input);
   TrackingResult TakeFrame(const SourceFrame& frame);
   TrackingResult Track(const SourceFrame& frame, const std::shared_ptr<const Atlas>& atlas);
-  cv::Mat ReadRight(const SourceFrame& frame);
+  RightImage RightImageOf(const SourceFrame& frame);
   void TakeAnswer();
   void AskWhere(const TrackingResult& result);
 
@@ -60,8 +61,8 @@ class FrameLoop {
   std::size_t doubles_ = 0;
   std::size_t stuck_ = 0;  // frames
   StageClock stages_;
-  int mapped_frames_ = 0;  // between frames, on this thread
-  std::size_t unreadable_ = 0;
+  int mapped_frames_ = 0;                           // between frames, on this thread
+  std::atomic<bool> warned_of_unreadable_ = false;  // right images are read where they are needed, in mapping too
 };
 
 }  // namespace pangaea

@@ -19,28 +19,25 @@ constexpr std::size_t kFramesBetweenReturns = 600;  // of free memory to the sys
 
 MappingInput MappingInputOf(TrackingResult result) {
   MappingInput input;
-  if (result.keyframe) input.keyframe = std::make_shared<const KeyframeCandidate>(std::move(*result.keyframe));
+  if (result.keyframe) input.keyframe = std::make_shared<const RawKeyframe>(std::move(*result.keyframe));
+  if (result.root) input.root = std::make_shared<const KeyframeCandidate>(std::move(*result.root));
   input.opening = std::move(result.opening);
   input.frames = std::move(result.earlier_frames);
   if (result.tracked) input.frames.push_back(TrackedFrame{result.reference, result.pose, result.reference_scale});
   return input;
 }
 
-MappingWorker::MappingWorker(SessionId session, const LocalMappingOptions& options, UplinkThread* uplink)
-    : session_(session), mapper_(session, options), uplink_(uplink), snapshot_(std::make_shared<const Atlas>()) {}
+MappingWorker::MappingWorker(SessionId session, KeyframeBuilder builder, const LocalMappingOptions& options,
+                             UplinkThread* uplink)
+    : session_(session),
+      builder_(std::move(builder)),
+      mapper_(session, options),
+      uplink_(uplink),
+      snapshot_(std::make_shared<const Atlas>()) {}
 
 void MappingWorker::Process(MappingInput input) {
   const bool absorbed = absorbs_ && AbsorbCorrection();
-  if (input.keyframe != nullptr) {
-    AddWaitingFrames();
-    mapper_.Insert(*input.keyframe, stages_);
-    reference_ = input.keyframe->id;
-  }
-  if (input.opening != nullptr) {
-    AddWaitingFrames();
-    mapper_.Open(*input.opening, stages_);
-    reference_ = input.opening->second.id;
-  }
+  const bool mapped = MapKeyframes(input);
   waiting_frames_.insert(waiting_frames_.end(), input.frames.begin(), input.frames.end());
   frames_since_return_ += input.frames.size();
   if (frames_since_return_ >= kFramesBetweenReturns) {
@@ -51,8 +48,27 @@ void MappingWorker::Process(MappingInput input) {
   if (waiting_frames_.size() >= kFramesPerBatch) AddWaitingFrames();
   const bool moved = !input.frames.empty() && NoteReference(input.frames.back().reference);
   const bool forgotten = absorbs_ && ForgetFarKeyframes();
-  if (absorbed || forgotten || input.keyframe != nullptr || input.opening != nullptr) return Publish();
+  if (absorbed || forgotten || mapped) return Publish();
   if (moved && uplink_ != nullptr) (void)uplink_->Submit(TakeBatch());
+}
+
+bool MappingWorker::MapKeyframes(const MappingInput& input) {
+  if (input.keyframe == nullptr && input.root == nullptr && input.opening == nullptr) return false;
+  const StageScope stage(stages_, "local_mapping");
+  AddWaitingFrames();
+  if (input.keyframe != nullptr) {
+    mapper_.Insert(builder_.Build(*input.keyframe, stages_), stages_);
+    reference_ = input.keyframe->id;
+  }
+  if (input.root != nullptr) {
+    mapper_.Insert(*input.root, stages_);
+    reference_ = input.root->id;
+  }
+  if (input.opening != nullptr) {
+    mapper_.Open(*input.opening, stages_);
+    reference_ = input.opening->second.id;
+  }
+  return true;
 }
 
 void MappingWorker::Finish(const std::stop_token& hurry) {

@@ -16,19 +16,21 @@ namespace pangaea {
 
 // What one tracked frame means for the map.
 struct MappingInput {
-  std::shared_ptr<const KeyframeCandidate> keyframe;
+  std::shared_ptr<const RawKeyframe> keyframe;
+  std::shared_ptr<const KeyframeCandidate> root;
   std::shared_ptr<const MapOpening> opening;
   std::vector<TrackedFrame> frames;  // ascending by stamp
 };
 MappingInput MappingInputOf(TrackingResult result);
 
-// The owner of the agent's map: feeds local mapping, publishes snapshots and hands every edit to the uplink. Process
-// and Finish belong to one thread; snapshot() may be called from any.
+// The owner of the agent's map: computes what raw keyframes show, feeds local mapping, publishes snapshots and hands
+// every edit to the uplink. Process and Finish belong to one thread; snapshot() may be called from any.
 class MappingWorker {
  public:
   // `uplink` may be null (no server); it outlives the worker.
-  MappingWorker(SessionId session, const LocalMappingOptions& options, UplinkThread* uplink);
+  MappingWorker(SessionId session, KeyframeBuilder builder, const LocalMappingOptions& options, UplinkThread* uplink);
 
+  // Stage "local_mapping" around everything that a keyframe causes, with the parts of KeyframeBuilder and LocalMapper.
   void Process(MappingInput input);
   // Whether Process takes in corrections. For runs that are to be the same every time: they choose the frames.
   void AllowCorrections(bool allow) { absorbs_ = allow; }
@@ -43,6 +45,8 @@ class MappingWorker {
   const StageClock& stages() const { return stages_; }
 
  private:
+  // What the input means for keyframes. Returns whether there was something.
+  bool MapKeyframes(const MappingInput& input);
   void AddWaitingFrames();
   // What the server says, where there is something new. Returns whether there was.
   bool AbsorbCorrection();
@@ -55,6 +59,7 @@ class MappingWorker {
   UplinkBatch TakeBatch();
 
   const SessionId session_;
+  KeyframeBuilder builder_;
   LocalMapper mapper_;
   UplinkThread* uplink_;
   StageClock stages_;

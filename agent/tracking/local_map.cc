@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <optional>
 #include <unordered_map>
-#include <unordered_set>
 
 #include "agent/tracking/resolved_pose.h"
 #include "common/base/check.h"
 #include "common/map/covisibility.h"
+#include "common/map/id_set.h"
 
 namespace pangaea {
 namespace {
@@ -52,15 +52,18 @@ LocalMap CollectLocalMap(const Atlas& atlas, KeyframeId reference, const Templat
   LocalMap local;
   local.keyframes = GrowWindow(atlas, reference, options.max_keyframes);
   std::unordered_map<LandmarkId, const LocalLandmark*> known;
-  for (const LocalLandmark& landmark : previous.landmarks) known.emplace(landmark.id, &landmark);
+  for (const LocalLandmark& landmark : previous.landmarks) {
+    if (landmark.tracked || landmark.failures > 0) known.emplace(landmark.id, &landmark);
+  }
   ObserverCenters centers(atlas);
   ViewPoses poses(atlas, local.view_poses);
-  std::unordered_set<LandmarkId> seen;
+  LandmarkIdSet seen;
+  local.landmarks.reserve(previous.landmarks.size() + previous.landmarks.size() / 8);
   for (const KeyframeId id : local.keyframes) {
     const Keyframe* keyframe = atlas.FindKeyframe(id);
     PANGAEA_CHECK(keyframe != nullptr);
     for (const LandmarkId landmark_id : keyframe->landmarks) {
-      if (!landmark_id.valid() || !seen.insert(landmark_id).second) continue;
+      if (!landmark_id.valid() || !seen.Insert(landmark_id)) continue;
       const Landmark* landmark = atlas.FindLandmark(landmark_id);
       PANGAEA_CHECK(landmark != nullptr);
       LocalLandmark& entry = local.landmarks.emplace_back();

@@ -34,7 +34,7 @@ std::optional<RecognisedFrame> Recognition::LocateNear(const Features& features,
                                                        const Surroundings& surroundings, const Trust& trust) const {
   LocalMap local_map = surroundings(keyframe);
   auto frame = LocateByDescriptors(camera_, features, atlas, rough_camera_from_map, local_map, options_.guided);
-  if (!frame || !trust(frame->located, local_map)) return std::nullopt;
+  if (!frame || !trust(*frame, local_map)) return std::nullopt;
   return RecognisedFrame{atlas.FindKeyframe(keyframe)->map, std::move(*frame), std::move(local_map)};
 }
 

@@ -28,7 +28,7 @@ struct RecognitionOptions {
 // A frame found without any prediction, and the local map of the place, which its matches refer to.
 struct RecognisedFrame {
   MapId map;
-  GuidedFrame frame;
+  LocatedFrame located;
   LocalMap local_map;
 };
 

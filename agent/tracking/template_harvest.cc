@@ -19,9 +19,10 @@ bool NeedsView(const Atlas& atlas, const Landmark& landmark, KeyframeId id, doub
                const TemplateStore& templates) {
   const auto views = templates.Find(landmark.id);
   if (views.empty()) return true;
+  if (std::ranges::any_of(views, [id](const PatchTemplate& view) { return view.keyframe == id; })) return false;
   const Eigen::Vector3d direction = DirectionFrom(atlas, landmark, id);
   return std::none_of(views.begin(), views.end(), [&](const PatchTemplate& view) {
-    return view.keyframe == id || DirectionFrom(atlas, landmark, view.keyframe).dot(direction) > new_view_cosine;
+    return DirectionFrom(atlas, landmark, view.keyframe).dot(direction) > new_view_cosine;
   });
 }
 

@@ -44,21 +44,13 @@ KeyframeId BestReference(const Atlas& atlas, const LocatedFrame& located, const 
   return best;
 }
 
-TrackingOptions ForSensor(TrackingOptions options, const IdealCamera& camera) {
-  if (!camera.is_stereo()) {
-    options.keyframes = options.monocular_keyframes;
-    options.orb.features = options.monocular_features;
-  }
-  return options;
-}
-
 }  // namespace
 
 Tracker::Tracker(SessionId session, const IdealCamera& camera, const TrackingOptions& options,
                  std::shared_ptr<const VocabularyTree> vocabulary, std::uint64_t seed)
     : session_(session),
       camera_(camera),
-      options_(ForSensor(options, camera)),
+      options_(options.ForCamera(camera)),
       builder_(camera, options_.orb, options.stereo),
       decision_(options_.keyframes),
       monocular_start_(camera, options.monocular_start,
@@ -75,7 +67,10 @@ TrackingResult Tracker::Track(std::int64_t stamp_ns, const cv::Mat& left, const 
     StageScope pyramid_scope(stages, "tracking.pyramid");
     BuildImagePyramid(left, options_.pyramid_levels, current_image_);
   }
-  AdoptSnapshot(atlas);
+  {
+    StageScope snapshot_scope(stages, "tracking.snapshot");
+    AdoptSnapshot(atlas);
+  }
   if (!map_.valid()) {
     StartMap(stamp_ns, left, right, result, stages);
   } else if (!awaits_first_keyframe(*atlas_)) {
@@ -93,12 +88,16 @@ void Tracker::AdoptSnapshot(const std::shared_ptr<const Atlas>& atlas) {
   PANGAEA_CHECK(atlas != nullptr);
   recognition_.Follow(*atlas);  // every time: it learns a few keyframes at once
   if (atlas_ == atlas) return;
+  const bool was_under_way = atlas_ != nullptr && MappingIsBusy();
   atlas_ = atlas;
   if (map_.valid() && !awaits_first_keyframe(*atlas_)) map_ = atlas_->Resolve(map_);  // maps may have been joined
   if (previous_) previous_->FollowScale(*atlas_);
   if (!map_.valid() || awaits_first_keyframe(*atlas_)) return;
   recent_keyframes_.Harvest(*atlas_, options_.new_view_angle, templates_);
-  const KeyframeId living = atlas_->Resolve(reference_);
+  // A keyframe that has come into the map saw all that was tracked at it, and what was created there since.
+  const bool has_arrived = was_under_way && !MappingIsBusy();
+  const auto newest = has_arrived ? recent_keyframes_.NewestIn(map_, session_, *atlas_) : std::nullopt;
+  const KeyframeId living = atlas_->Resolve(newest ? newest->id : reference_);
   RebuildLocalMap(living.valid() ? living : first_keyframe_);
 }
 
@@ -198,25 +197,26 @@ void Tracker::ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const
   const bool wanted = lacks_templates_ || result.reference.session != session_;
   if (due || (wanted && !MappingIsBusy())) {
     StageScope scope(stages, "tracking.keyframe");
-    BuiltKeyframe built = builder_.Build(stamp_ns, left, right, &located, local_map_, stages);
-    EnterLargerMap(stamp_ns, built, result, stages);
-    KeyframeCandidate candidate;
-    candidate.id = KeyframeId{session_, ++keyframes_made_};
-    candidate.map = map_;
-    built.data->arrival = {result.reference, result.pose.reference_from_frame.Inverse(), result.reference_scale.value,
-                           std::exchange(newest_keyframe_ns_, stamp_ns)};
-    candidate.data = std::move(built.data);
-    candidate.reference = result.reference;
-    candidate.camera_from_reference = result.pose.reference_from_frame.Inverse();
-    candidate.reference_scale = result.reference_scale;
-    candidate.landmarks = std::move(built.landmarks);
-    recent_keyframes_.Add(candidate.id, current_image_, candidate.reference, candidate.camera_from_reference,
-                          candidate.reference_scale);
+    RawKeyframe keyframe;
+    TakeTracked(located, local_map_, keyframe);
+    EnterLargerMap(stamp_ns, left, keyframe, result, stages);
+    keyframe.id = KeyframeId{session_, ++keyframes_made_};
+    keyframe.map = map_;
+    keyframe.stamp_ns = stamp_ns;
+    keyframe.left = left;
+    keyframe.right = right;
+    keyframe.reference = result.reference;
+    keyframe.camera_from_reference = result.pose.reference_from_frame.Inverse();
+    keyframe.reference_scale = result.reference_scale;
+    keyframe.arrival = {keyframe.reference, keyframe.camera_from_reference, keyframe.reference_scale.value,
+                        std::exchange(newest_keyframe_ns_, stamp_ns)};
+    recent_keyframes_.Add(keyframe.id, current_image_, keyframe.reference, keyframe.camera_from_reference,
+                          keyframe.reference_scale);
     // The keyframe is this frame: bundle adjustment moves both.
-    result.reference = candidate.id;
+    result.reference = keyframe.id;
     result.pose.reference_from_frame = Rigid3d();
     result.reference_scale = {};
-    result.keyframe = std::move(candidate);
+    result.keyframe = std::move(keyframe);
     decision_.Restart();
     lacks_templates_ = false;
   }
@@ -238,9 +238,8 @@ double Tracker::NearestView(const Rigid3d& camera_from_map, double median_depth)
 bool Tracker::StartMap(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
                        StageRecorder& stages) {
   if (!camera_.is_stereo()) return StartMonocularMap(stamp_ns, left, result, stages);
-  BuiltKeyframe built = builder_.Build(stamp_ns, left, right, nullptr, local_map_, stages);
-  const std::vector<Eigen::Vector3d> points =
-      StereoPoints(*built.data, options_.start_depth_baselines * camera_.baseline);
+  auto data = builder_.Describe(stamp_ns, left, right, {}, {}, stages);
+  const std::vector<Eigen::Vector3d> points = StereoPoints(*data, options_.start_depth_baselines * camera_.baseline);
   if (std::cmp_less(points.size(), options_.min_start_points)) return false;
   BeginMap();
   newest_keyframe_ns_ = stamp_ns;
@@ -253,8 +252,8 @@ bool Tracker::StartMap(std::int64_t stamp_ns, const cv::Mat& left, const RightIm
   result.pose = FramePose{stamp_ns, Rigid3d()};
   result.camera_from_map = Rigid3d();
   result.inliers = static_cast<int>(points.size());
-  result.keyframe =
-      KeyframeCandidate{first_keyframe_, map_, std::move(built.data), {}, Rigid3d(), std::move(built.landmarks)};
+  std::vector<LandmarkId> none(data->features.keypoints.size());
+  result.root = KeyframeCandidate{first_keyframe_, map_, std::move(data), {}, Rigid3d(), std::move(none)};
   return true;
 }
 

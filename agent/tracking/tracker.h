@@ -45,7 +45,8 @@ struct TrackingResult {
   // of another map.
   std::optional<Rigid3d> current_from_previous;
   int inliers = 0;
-  std::optional<KeyframeCandidate> keyframe;  // for local mapping; one without a reference begins a map
+  std::optional<RawKeyframe> keyframe;    // for local mapping
+  std::optional<KeyframeCandidate> root;  // ... where this frame begins a map
   // A monocular map begins with two keyframes at once; `pose` is relative to the second one.
   std::shared_ptr<const MapOpening> opening;
   // Frames before this one that a monocular map's beginning gave a pose; ascending by stamp.
@@ -55,8 +56,9 @@ struct TrackingResult {
 };
 
 // Follows the camera from frame to frame in the agent's map. Between keyframes landmarks are tracked by aligning
-// patches with their templates, in the left image alone; corners, descriptors and stereo depth are computed at
-// keyframes. The result depends on the images and snapshots given alone. One owner thread.
+// patches with their templates, in the left image alone; corners, descriptors and stereo depth only where a map begins
+// or the camera is lost: keyframes of a map get theirs on the way into it. The result depends on the images and
+// snapshots given alone. One owner thread.
 class Tracker {
  public:
   // `options` have passed Check(). `vocabulary` is what known places are recognised by.
@@ -91,7 +93,8 @@ class Tracker {
   std::optional<RecognisedFrame> Recognise(const Features& features, std::span<const KeyframeId> candidates,
                                            int min_inliers) const;
   LocatedFrame Enter(RecognisedFrame recognised);
-  void EnterLargerMap(std::int64_t stamp_ns, BuiltKeyframe& built, TrackingResult& result, StageRecorder& stages);
+  void EnterLargerMap(std::int64_t stamp_ns, const cv::Mat& left, RawKeyframe& keyframe, TrackingResult& result,
+                      StageRecorder& stages);
   void Lose(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
             StageRecorder& stages);
   Vector6d VelocityInto(std::int64_t stamp_ns, const Rigid3d& camera_from_map) const;

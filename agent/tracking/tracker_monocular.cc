@@ -17,7 +17,7 @@ bool Tracker::StartMonocularMap(std::int64_t stamp_ns, const cv::Mat& left, Trac
     return false;
   }
   BeginMap();
-  Adopt(*opening, builder_.Describe(stamp_ns, left, opening->second_points, stages), result);
+  Adopt(*opening, builder_.Describe(stamp_ns, left, {}, opening->second_points, {}, stages), result);
   return true;
 }
 

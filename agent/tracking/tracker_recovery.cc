@@ -50,7 +50,7 @@ std::optional<RecognisedFrame> Tracker::RecogniseAnywhere(const Features& featur
 LocatedFrame Tracker::LocateAgain(const cv::Mat& left, LocatedFrame thin, StageRecorder& stages) {
   StageScope scope(stages, "tracking.relocalization");
   auto recognised = Recognise(builder_.Extract(left), local_map_.keyframes, options_.min_recovery_inliers);
-  if (!recognised || recognised->frame.located.pose.inliers <= thin.pose.inliers) return thin;
+  if (!recognised || recognised->located.pose.inliers <= thin.pose.inliers) return thin;
   return Enter(std::move(*recognised));
 }
 
@@ -75,7 +75,7 @@ LocatedFrame Tracker::Enter(RecognisedFrame recognised) {
   first_keyframe_ = atlas_->FindMap(map_)->root;
   local_map_ = std::move(recognised.local_map);
   reference_ = local_map_.keyframes.front();
-  LocatedFrame& by_descriptors = recognised.frame.located;
+  LocatedFrame& by_descriptors = recognised.located;
   auto by_patches =
       LocateFrame(current_image_, camera_, by_descriptors.pose.camera_from_map, local_map_, options_.search);
   lacks_templates_ = !by_patches || by_patches->pose.inliers < by_descriptors.pose.inliers ||
@@ -85,24 +85,19 @@ LocatedFrame Tracker::Enter(RecognisedFrame recognised) {
 
 // A small map is left for a larger one as soon as its place is recognised: after a loss the camera mostly comes back to
 // where it was.
-void Tracker::EnterLargerMap(std::int64_t stamp_ns, BuiltKeyframe& built, TrackingResult& result,
+void Tracker::EnterLargerMap(std::int64_t stamp_ns, const cv::Mat& left, RawKeyframe& keyframe, TrackingResult& result,
                              StageRecorder& stages) {
   const std::uint32_t size = atlas_->FindMap(map_)->keyframes;
   const auto maps = atlas_->Maps();
   const auto is_larger = [&](MapId map) { return atlas_->FindMap(map)->keyframes > size; };
   if (std::none_of(maps.begin(), maps.end(), is_larger)) return;
   StageScope scope(stages, "tracking.relocalization");
-  const Features& features = built.data->features;
+  const Features features = builder_.Extract(left, keyframe.tracked);
   const auto admits = [&](KeyframeId id) { return is_larger(atlas_->FindKeyframe(id)->map); };
   auto recognised = Recognise(features, recognition_.Candidates(features, {}, admits), options_.weak_inliers);
   if (!recognised) return;
-  built.landmarks.assign(features.keypoints.size(), LandmarkId{});
-  const GuidedFrame& frame = recognised->frame;
-  for (std::size_t i = 0; i < frame.keypoints.size(); ++i) {
-    const LandmarkMatch& match = frame.located.matches[i];
-    built.landmarks[frame.keypoints[i]] = recognised->local_map.landmarks[static_cast<std::size_t>(match.landmark)].id;
-  }
-  const LocatedFrame by_descriptors = frame.located;
+  const LocatedFrame by_descriptors = recognised->located;
+  TakeTracked(by_descriptors, recognised->local_map, keyframe);
   Enter(std::move(*recognised));
   FinishTracked(stamp_ns, by_descriptors, result);
 }

@@ -14,6 +14,14 @@ Status InRange(const char* name, T value, T low, T high) {
 
 }  // namespace
 
+TrackingOptions TrackingOptions::ForCamera(const IdealCamera& camera) const {
+  TrackingOptions options = *this;
+  if (camera.is_stereo()) return options;
+  options.keyframes = monocular_keyframes;
+  options.orb.features = monocular_features;
+  return options;
+}
+
 Status TrackingOptions::Check() const {
   for (const Status& status : {
            InRange("min_inliers", min_inliers, 6, 1000),

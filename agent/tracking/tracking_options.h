@@ -49,6 +49,9 @@ struct TrackingOptions {
   int monocular_features = 1000;
   StereoOptions stereo;
 
+  // With the options of this kind of camera in place of the others': two cameras or one.
+  TrackingOptions ForCamera(const IdealCamera& camera) const;
+
   // Says which option is out of which range.
   Status Check() const;
 };

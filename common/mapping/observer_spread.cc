@@ -20,11 +20,9 @@ ObserverSpread ObserverCenters::SpreadOf(const Landmark& landmark) {
     const Observer& observer = Find(observation.keyframe);
     sum += observer.center;
     squares += observer.center.squaredNorm();
-    // The right camera is one more observer, a baseline away: half of its square about their own centre.
-    if (observer.keyframe->data->features.keypoints[observation.keypoint].has_depth()) {
-      const double baseline = observer.keyframe->data->camera.baseline;
-      stereo += 0.5 * baseline * baseline;
-    }
+    if (observer.stereo_squares == 0.0) continue;
+    const Keypoint& keypoint = observer.keyframe->data->features.keypoints[observation.keypoint];
+    if (keypoint.has_depth()) stereo += observer.stereo_squares;
   }
   const auto count = static_cast<double>(landmark.observations.size());
   return {static_cast<int>(landmark.observations.size()), sum / count,
@@ -37,6 +35,8 @@ const ObserverCenters::Observer& ObserverCenters::Find(KeyframeId id) {
   observer.keyframe = atlas_.FindKeyframe(id);
   PANGAEA_CHECK(observer.keyframe != nullptr);
   observer.center = observer.keyframe->camera_from_map.Inverse().translation();
+  const double baseline = observer.keyframe->data->camera.baseline;
+  observer.stereo_squares = 0.5 * baseline * baseline;
   return observer;
 }
 

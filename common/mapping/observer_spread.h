@@ -31,6 +31,8 @@ class ObserverCenters {
   struct Observer {
     const Keyframe* keyframe = nullptr;
     Eigen::Vector3d center = Eigen::Vector3d::Zero();
+    // Of a second observer, a baseline away, about the centre of both: half of its square. 0: one camera.
+    double stereo_squares = 0.0;
   };
   const Observer& Find(KeyframeId id);
 

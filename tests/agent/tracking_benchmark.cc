@@ -2,10 +2,12 @@
 // the built-in simulator, or are the first ones of the dataset that PANGAEA_BENCHMARK_DATASET names.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <opencv2/features2d.hpp>
 
 #include "agent/mapping/local_mapper.h"
+#include "agent/tracking/template_harvest.h"
 #include "agent/tracking/tracker.h"
 #include "common/base/check.h"
 #include "common/place/vocabulary_file.h"
@@ -71,28 +73,55 @@ IdealCamera CameraFor(bool stereo) {
   return camera;
 }
 
-// The whole of tracking, keyframes and the map's beginning included; local mapping runs between the frames, untimed.
+// The agent on one thread without what local mapping makes of keyframes; that runs between the frames.
+class FlyingAgent {
+ public:
+  explicit FlyingAgent(bool stereo) : camera_(CameraFor(stereo)), options_(TrackingOptions().ForCamera(camera_)) {}
+
+  // Everything that tracking does, and what a keyframe shows.
+  void Take(const BenchmarkFrame& frame) {
+    const RightImage right =
+        camera_.is_stereo() ? RightImage([&](StageRecorder&) { return frame.right; }) : RightImage();
+    result_ = tracker_.Track(frame.stamp_ns, frame.left, right, snapshot_, stages_);
+    tracked_ += result_.tracked ? 1 : 0;
+    if (result_.keyframe) result_.root = builder_.Build(*result_.keyframe, stages_);
+  }
+  void Map() {
+    if (result_.opening) mapper_.Open(*result_.opening, stages_);
+    if (result_.root) mapper_.Insert(*result_.root, stages_);
+    if (result_.opening || result_.root) snapshot_ = std::make_shared<const Atlas>(mapper_.atlas());
+  }
+
+  const Atlas& atlas() const { return *snapshot_; }
+  int tracked() const { return tracked_; }
+
+ private:
+  const IdealCamera camera_;
+  const TrackingOptions options_;
+  NoStageRecorder stages_;
+  Tracker tracker_{1, camera_, options_, OpenVocabulary().value(), 1};
+  KeyframeBuilder builder_{camera_, options_.orb, options_.stereo};
+  LocalMapper mapper_{1, {}};
+  std::shared_ptr<const Atlas> snapshot_ = std::make_shared<const Atlas>();
+  TrackingResult result_;
+  int tracked_ = 0;
+};
+
+// The whole of tracking, keyframes and the map's beginning included; local mapping is not timed.
 void TrackFrame(benchmark::State& state) {
-  const bool stereo = state.range(0) != 0;
-  NoStageRecorder stages;
   int tracked = 0;
   std::size_t keyframes = 0;
   for (auto _ : state) {
     state.PauseTiming();
-    Tracker tracker(1, CameraFor(stereo), {}, OpenVocabulary().value(), 1);
-    LocalMapper mapper(1, {});
-    auto snapshot = std::make_shared<const Atlas>();
+    FlyingAgent agent(state.range(0) != 0);
     for (const BenchmarkFrame& frame : Flight().frames) {
-      const RightImage right = stereo ? RightImage([&] { return frame.right; }) : RightImage();
       state.ResumeTiming();
-      const TrackingResult result = tracker.Track(frame.stamp_ns, frame.left, right, snapshot, stages);
+      agent.Take(frame);
       state.PauseTiming();
-      tracked += result.tracked ? 1 : 0;
-      if (result.opening) mapper.Open(*result.opening, stages);
-      if (result.keyframe) mapper.Insert(*result.keyframe, stages);
-      if (result.opening || result.keyframe) snapshot = std::make_shared<const Atlas>(mapper.atlas());
+      agent.Map();
     }
-    keyframes += snapshot->keyframe_count();
+    tracked += agent.tracked();
+    keyframes += agent.atlas().keyframe_count();
     state.ResumeTiming();
   }
   const auto runs = static_cast<double>(state.iterations());
@@ -102,6 +131,34 @@ void TrackFrame(benchmark::State& state) {
   state.counters["keyframes"] = static_cast<double>(keyframes) / runs;
 }
 BENCHMARK(TrackFrame)->ArgName("stereo")->Arg(1)->Arg(0)->Unit(benchmark::kMillisecond)->Iterations(2);
+
+// What a frame costs on top when a snapshot of the map has come: the templates of the newest keyframe's landmarks and
+// the landmarks around it.
+void AdoptKeyframe(benchmark::State& state) {
+  const bool stereo = state.range(0) != 0;
+  FlyingAgent agent(stereo);
+  TemplateStore templates(TrackingOptions().max_templates);
+  KeyframeId newest;
+  for (const BenchmarkFrame& frame : Flight().frames) {
+    agent.Take(frame);
+    agent.Map();
+  }
+  ImagePyramid image;
+  agent.atlas().ForEachKeyframe([&](const Keyframe& keyframe) {
+    const auto is_its = [&](const BenchmarkFrame& frame) { return frame.stamp_ns == keyframe.data->stamp_ns; };
+    const auto frame = std::find_if(Flight().frames.begin(), Flight().frames.end(), is_its);
+    BuildImagePyramid(frame->left, TrackingOptions().pyramid_levels, image);
+    HarvestTemplates(agent.atlas(), keyframe.id, image, TrackingOptions().new_view_angle, templates);
+    newest = keyframe.id;
+  });
+  LocalMap local_map;
+  for (auto _ : state) {
+    HarvestTemplates(agent.atlas(), newest, image, TrackingOptions().new_view_angle, templates);
+    local_map = CollectLocalMap(agent.atlas(), newest, templates, local_map, {});
+  }
+  state.counters["landmarks"] = static_cast<double>(local_map.landmarks.size());
+}
+BENCHMARK(AdoptKeyframe)->ArgName("stereo")->Arg(1)->Arg(0)->Unit(benchmark::kMillisecond);
 
 // What the usual front end does at each frame: cv::ORB on each image, as many features as the reference uses, and
 // cv::BFMatcher to the other image and to the frame before. No pose comes of it yet.

@@ -63,18 +63,19 @@ RenderedFlight::RenderedFlight(std::vector<Surface> surfaces, const TrackingOpti
       renderer_(std::make_shared<const RayTable>(Lens())),
       sensor_(camera_.width, camera_.height, {}),
       tracker_(session, camera_, options, OpenVocabulary().value(), seed),
+      builder_(camera_, options.orb, options.stereo),
       mapper_(session, ExactRig()),
       snapshot_(std::make_shared<const Atlas>()) {}
 
 TrackingResult RenderedFlight::Fly(const Rigid3d& world_from_camera) {
   truth_.push_back({stamp_ns_, world_from_camera});
-  return Track(Draw(world_from_camera), [&] {
+  return Track(Draw(world_from_camera), [&](StageRecorder&) {
     return Draw(world_from_camera * Rigid3d(Eigen::Quaterniond::Identity(), {camera_.baseline, 0.0, 0.0}));
   });
 }
 
 TrackingResult RenderedFlight::FlyInTheDark() {
-  return Track(sensor_.Dark(++pictures_), [&] { return sensor_.Dark(++pictures_); });
+  return Track(sensor_.Dark(++pictures_), [&](StageRecorder&) { return sensor_.Dark(++pictures_); });
 }
 
 std::vector<TrackingResult> RenderedFlight::FlyAlong(double from, double to, double step) {
@@ -87,10 +88,12 @@ std::vector<TrackingResult> RenderedFlight::FlyAlong(double from, double to, dou
 TrackingResult RenderedFlight::Track(const cv::Mat& left, const RightImage& right) {
   NoStageRecorder stages;
   TrackingResult result = tracker_.Track(stamp_ns_, left, right, snapshot_, stages);
-  if (result.keyframe) mapper_.Insert(*result.keyframe, stages);
+  const bool keyframe = result.root || result.keyframe;
+  if (result.root) mapper_.Insert(*result.root, stages);
+  if (result.keyframe) mapper_.Insert(builder_.Build(*result.keyframe, stages), stages);
   if (result.tracked) mapper_.AddFrames(std::vector{TrackedFrame{result.reference, result.pose}});
-  if (result.keyframe) unseen_ = lag_;
-  if (result.keyframe || unseen_ > 0) {
+  if (keyframe) unseen_ = lag_;
+  if (keyframe || unseen_ > 0) {
     if (unseen_-- <= 0) snapshot_ = std::make_shared<const Atlas>(mapper_.atlas());
   }
   stamp_ns_ += kFramePeriod;

@@ -58,6 +58,7 @@ class RenderedFlight {
   Renderer renderer_;
   ImageSensor sensor_;
   Tracker tracker_;
+  KeyframeBuilder builder_;
   LocalMapper mapper_;
   std::shared_ptr<const Atlas> snapshot_;
   int lag_ = 0;
