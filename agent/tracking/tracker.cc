@@ -195,32 +195,35 @@ void Tracker::ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const
   const bool due = decision_.IsDue(evidence, NearestView(camera_from_map, evidence.median_depth), MappingIsBusy());
   // In a map of others the session needs a keyframe of its own for its frames.
   const bool wanted = lacks_templates_ || result.reference.session != session_;
-  if (due || (wanted && !MappingIsBusy())) {
-    StageScope scope(stages, "tracking.keyframe");
-    RawKeyframe keyframe;
-    TakeTracked(located, local_map_, keyframe);
-    EnterLargerMap(stamp_ns, left, keyframe, result, stages);
-    keyframe.id = KeyframeId{session_, ++keyframes_made_};
-    keyframe.map = map_;
-    keyframe.stamp_ns = stamp_ns;
-    keyframe.left = left;
-    keyframe.right = right;
-    keyframe.reference = result.reference;
-    keyframe.camera_from_reference = result.pose.reference_from_frame.Inverse();
-    keyframe.reference_scale = result.reference_scale;
-    keyframe.arrival = {keyframe.reference, keyframe.camera_from_reference, keyframe.reference_scale.value,
-                        std::exchange(newest_keyframe_ns_, stamp_ns)};
-    recent_keyframes_.Add(keyframe.id, current_image_, keyframe.reference, keyframe.camera_from_reference,
-                          keyframe.reference_scale);
-    // The keyframe is this frame: bundle adjustment moves both.
-    result.reference = keyframe.id;
-    result.pose.reference_from_frame = Rigid3d();
-    result.reference_scale = {};
-    result.keyframe = std::move(keyframe);
-    decision_.Restart();
-    lacks_templates_ = false;
-  }
+  if (due || (wanted && !MappingIsBusy())) KeepFrame(stamp_ns, left, right, located, result, stages);
   if (previous_->reference != reference_) RebuildLocalMap(previous_->reference);
+}
+
+void Tracker::KeepFrame(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
+                        const LocatedFrame& located, TrackingResult& result, StageRecorder& stages) {
+  StageScope scope(stages, "tracking.keyframe");
+  RawKeyframe keyframe;
+  TakeTracked(located, local_map_, keyframe);
+  EnterLargerMap(stamp_ns, left, keyframe, result, stages);
+  keyframe.id = KeyframeId{session_, ++keyframes_made_};
+  keyframe.map = map_;
+  keyframe.stamp_ns = stamp_ns;
+  keyframe.left = left;
+  keyframe.right = right;
+  keyframe.reference = result.reference;
+  keyframe.camera_from_reference = result.pose.reference_from_frame.Inverse();
+  keyframe.reference_scale = result.reference_scale;
+  keyframe.arrival = {keyframe.reference, keyframe.camera_from_reference, keyframe.reference_scale.value,
+                      std::exchange(newest_keyframe_ns_, stamp_ns)};
+  recent_keyframes_.Add(keyframe.id, current_image_, keyframe.reference, keyframe.camera_from_reference,
+                        keyframe.reference_scale);
+  // The keyframe is this frame: bundle adjustment moves both.
+  result.reference = keyframe.id;
+  result.pose.reference_from_frame = Rigid3d();
+  result.reference_scale = {};
+  result.keyframe = std::move(keyframe);
+  decision_.Restart();
+  lacks_templates_ = false;
 }
 
 double Tracker::NearestView(const Rigid3d& camera_from_map, double median_depth) const {

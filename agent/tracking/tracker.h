@@ -102,6 +102,8 @@ class Tracker {
   void HangBelowOwnKeyframe(TrackingResult& result) const;
   void ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
                         const LocatedFrame& located, TrackingResult& result, StageRecorder& stages);
+  void KeepFrame(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, const LocatedFrame& located,
+                 TrackingResult& result, StageRecorder& stages);
   double NearestView(const Rigid3d& camera_from_map, double median_depth) const;
   bool StartMap(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
                 StageRecorder& stages);
