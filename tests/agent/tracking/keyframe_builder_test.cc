@@ -49,7 +49,8 @@ TEST_F(KeyframeBuilderTest, TrackedLandmarksAreTheFirstKeypointsAndNewCornersHav
   ASSERT_GT(candidate.data->features.keypoints.size(), 50U);
   ASSERT_EQ(candidate.landmarks.size(), candidate.data->features.keypoints.size());
   for (std::uint32_t i = 0; i < candidate.landmarks.size(); ++i) {
-    EXPECT_EQ(candidate.landmarks[i], i < 3 ? LandmarkId(1, 10 + i) : LandmarkId());
+    const LandmarkId tracked = i < 3 ? LandmarkId{1, 10 + i} : LandmarkId{};
+    EXPECT_EQ(candidate.landmarks[i], tracked);
   }
   EXPECT_EQ(candidate.data->features.keypoints[1].u, 140.0F);
   EXPECT_EQ(candidate.data->features.keypoints[1].octave, 1);
