@@ -118,6 +118,19 @@ TEST_F(RecognitionTest, GuidedSearchFindsThePoseFromOneThatIsOffByAHandsBreadth)
   }
 }
 
+TEST_F(RecognitionTest, WhereACandidateItselfShowsTooLittleTheKeyframesAroundItDo) {
+  const Rigid3d camera_from_world = CirclePose(3, 40);
+  const Features features = Look(camera_from_world);
+  const std::vector<KeyframeId> candidates = {{1, 11}, {1, 99}};  // one that looks elsewhere, one that never was
+  RelocalizationOptions alone;
+  alone.window = 1;
+  EXPECT_THAT(Relocalize(world.camera(), features, atlas, candidates, alone, 1), IsEmpty());
+  const auto poses = Relocalize(world.camera(), features, atlas, candidates, {}, 1);
+  ASSERT_EQ(poses.size(), 1U);
+  EXPECT_EQ(poses[0].keyframe, candidates[0]);
+  EXPECT_LT(Distance(poses[0].camera_from_map, TruePose(camera_from_world)), 0.05);
+}
+
 TEST_F(RecognitionTest, AFrameIsLocatedWithoutAnyPrediction) {
   Recognition recognition(world.camera(), {}, vocabulary, 1);
   for (int i = 0; i < kKeyframes; ++i) recognition.Follow(atlas);
