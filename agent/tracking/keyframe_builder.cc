@@ -1,7 +1,5 @@
 #include "agent/tracking/keyframe_builder.h"
 
-#include <utility>
-
 namespace pangaea {
 
 void TakeTracked(const LocatedFrame& located, const LocalMap& local_map, RawKeyframe& keyframe) {

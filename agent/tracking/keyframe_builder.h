@@ -21,8 +21,8 @@ namespace pangaea {
 // read). Called only where depth is wanted, on the thread that wants it. Stage "decode".
 using RightImage = std::function<cv::Mat(StageRecorder&)>;
 
-// A tracked frame that is worth keeping, as tracking leaves it: corners, descriptors and depth are computed where they
-// are needed, which is not in tracking.
+// A tracked frame that is worth keeping, as tracking leaves it: its corners, descriptors and depth are computed where
+// it enters the map.
 struct RawKeyframe {
   KeyframeId id;
   MapId map;
@@ -49,8 +49,8 @@ class KeyframeBuilder {
 
   // The candidate that a raw keyframe becomes. Stages "keyframe.extract" and "keyframe.stereo".
   KeyframeCandidate Build(const RawKeyframe& keyframe, StageRecorder& stages);
-  // A keyframe of a map's beginning: its keypoints begin with `fixed`, in order. Stages as above; without a right image
-  // it has no depth.
+  // What a frame shows; its keypoints begin with `fixed`, in order, at `depths` (metres) as far as these are predicted.
+  // Stages as above; without a right image it has no depth.
   std::shared_ptr<KeyframeData> Describe(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
                                          std::span<const FixedPoint> fixed, std::span<const float> depths,
                                          StageRecorder& stages);

@@ -16,6 +16,11 @@ bool RecentKeyframes::IsOneUnderWay(const Atlas& atlas) const {
   return !keyframes_.empty() && !atlas.Knows(keyframes_.back().id);
 }
 
+KeyframeId RecentKeyframes::NewestTrackedAgainst(KeyframeId reference, const Atlas& atlas) const {
+  if (keyframes_.empty() || keyframes_.back().reference != reference) return {};
+  return atlas.Resolve(keyframes_.back().id);
+}
+
 std::vector<Rigid3d> RecentKeyframes::PosesUnderWay(const Atlas& atlas) const {
   std::vector<Rigid3d> poses;
   for (const Recent& recent : keyframes_) {

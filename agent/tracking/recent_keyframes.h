@@ -26,6 +26,9 @@ class RecentKeyframes {
 
   // Whether the newest one is not in the map yet.
   bool IsOneUnderWay(const Atlas& atlas) const;
+  // The newest one as it lives in the map, where it was tracked against `reference`; none where it was not, or is under
+  // way.
+  KeyframeId NewestTrackedAgainst(KeyframeId reference, const Atlas& atlas) const;
   // camera_from_map of those that are not in the map yet, as far as it is known.
   std::vector<Rigid3d> PosesUnderWay(const Atlas& atlas) const;
   // Cuts templates of what is in the map by now; see HarvestTemplates.

@@ -21,7 +21,20 @@ std::vector<KeyframeId> Recognition::Candidates(const Features& features, std::s
 std::optional<RecognisedFrame> Recognition::Locate(const Features& features, const Atlas& atlas,
                                                    std::span<const KeyframeId> candidates,
                                                    const Surroundings& surroundings, const Trust& trust) const {
-  const auto poses = Relocalize(camera_, features, atlas, candidates, options_.relocalization, seed_);
+  return LocateBy(1, features, atlas, candidates, surroundings, trust);
+}
+
+std::optional<RecognisedFrame> Recognition::LocateWidely(const Features& features, const Atlas& atlas,
+                                                         std::span<const KeyframeId> candidates,
+                                                         const Surroundings& surroundings, const Trust& trust) const {
+  auto found = Locate(features, atlas, candidates, surroundings, trust);
+  return found ? std::move(found) : LocateBy(options_.window, features, atlas, candidates, surroundings, trust);
+}
+
+std::optional<RecognisedFrame> Recognition::LocateBy(std::size_t window, const Features& features, const Atlas& atlas,
+                                                     std::span<const KeyframeId> candidates,
+                                                     const Surroundings& surroundings, const Trust& trust) const {
+  const auto poses = Relocalize(camera_, features, atlas, candidates, window, options_.relocalization, seed_);
   for (std::size_t i = 0; i < std::min(poses.size(), options_.verified); ++i) {
     auto found = LocateNear(features, atlas, poses[i].keyframe, poses[i].camera_from_map, surroundings, trust);
     if (found) return found;

@@ -17,8 +17,11 @@
 namespace pangaea {
 
 struct RecognitionOptions {
-  std::size_t place_candidates = 8;      // keyframes of all maps that look like the frame by their words
-  std::size_t local_candidates = 4;      // keyframes around the latest known place, whatever they look like
+  std::size_t place_candidates = 8;  // keyframes of all maps that look like the frame by their words
+  std::size_t local_candidates = 4;  // keyframes around the latest known place, whatever they look like
+  // Keyframes around a candidate, itself included, whose landmarks a lost frame is compared with where no candidate's
+  // own lead to a place.
+  std::size_t window = 6;
   std::size_t verified = 3;              // of the poses these give, the best so many are tried in the map around them
   std::size_t learned_per_snapshot = 8;  // keyframes whose words are computed at once, see PlaceMemory::Follow
   RelocalizationOptions relocalization;
@@ -56,12 +59,20 @@ class Recognition {
   std::optional<RecognisedFrame> LocateNear(const Features& features, const Atlas& atlas, KeyframeId keyframe,
                                             const Rigid3d& rough_camera_from_map, const Surroundings& surroundings,
                                             const Trust& trust) const;
-  // The first trusted pose that a candidate leads to, those on most matches first.
+  // The first trusted pose that a candidate's own landmarks lead to, those on most matches first.
   std::optional<RecognisedFrame> Locate(const Features& features, const Atlas& atlas,
                                         std::span<const KeyframeId> candidates, const Surroundings& surroundings,
                                         const Trust& trust) const;
+  // Or else one that those of its window lead to. For frames that are lost: it takes longer.
+  std::optional<RecognisedFrame> LocateWidely(const Features& features, const Atlas& atlas,
+                                              std::span<const KeyframeId> candidates, const Surroundings& surroundings,
+                                              const Trust& trust) const;
 
  private:
+  std::optional<RecognisedFrame> LocateBy(std::size_t window, const Features& features, const Atlas& atlas,
+                                          std::span<const KeyframeId> candidates, const Surroundings& surroundings,
+                                          const Trust& trust) const;
+
   IdealCamera camera_;
   RecognitionOptions options_;
   std::uint64_t seed_;

@@ -94,10 +94,10 @@ void Tracker::AdoptSnapshot(const std::shared_ptr<const Atlas>& atlas) {
   if (previous_) previous_->FollowScale(*atlas_);
   if (!map_.valid() || awaits_first_keyframe(*atlas_)) return;
   recent_keyframes_.Harvest(*atlas_, options_.new_view_angle, templates_);
-  // A keyframe that has come into the map saw all that was tracked at it, and what was created there since.
-  const bool has_arrived = was_under_way && !MappingIsBusy();
-  const auto newest = has_arrived ? recent_keyframes_.NewestIn(map_, session_, *atlas_) : std::nullopt;
-  const KeyframeId living = atlas_->Resolve(newest ? newest->id : reference_);
+  // A keyframe that has come into the map saw all that was tracked at it, and what was created there since. Where the
+  // camera has another reference by now it is not as near to it any more.
+  const KeyframeId arrived = was_under_way ? recent_keyframes_.NewestTrackedAgainst(reference_, *atlas_) : KeyframeId{};
+  const KeyframeId living = arrived.valid() ? arrived : atlas_->Resolve(reference_);
   RebuildLocalMap(living.valid() ? living : first_keyframe_);
 }
 

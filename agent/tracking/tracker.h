@@ -56,9 +56,10 @@ struct TrackingResult {
 };
 
 // Follows the camera from frame to frame in the agent's map. Between keyframes landmarks are tracked by aligning
-// patches with their templates, in the left image alone; corners, descriptors and stereo depth only where a map begins
-// or the camera is lost: keyframes of a map get theirs on the way into it. The result depends on the images and
-// snapshots given alone. One owner thread.
+// patches with their templates, in the left image alone; stereo depth only where a map begins, corners and
+// descriptors also where the camera is lost, where few landmarks are left, and at keyframes of a map that is smaller
+// than another: others get theirs on the way into the map. The result depends on the images and snapshots given alone.
+// One owner thread.
 class Tracker {
  public:
   // `options` have passed Check(). `vocabulary` is what known places are recognised by.

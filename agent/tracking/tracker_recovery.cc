@@ -43,7 +43,8 @@ std::optional<RecognisedFrame> Tracker::RecogniseAnywhere(const Features& featur
     nearby = GrowWindow(*atlas_, hinted, options_.recognition.local_candidates);
   }
   nearby.insert(nearby.end(), local_map_.keyframes.begin(), local_map_.keyframes.end());
-  return Recognise(features, recognition_.Candidates(features, nearby), options_.min_recovery_inliers);
+  return recognition_.LocateWidely(features, *atlas_, recognition_.Candidates(features, nearby), Surroundings(),
+                                   Trust(options_.min_recovery_inliers));
 }
 
 // A thin result may be a wrong one: what is recognised nearby without any prediction decides if it explains more.

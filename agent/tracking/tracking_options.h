@@ -10,6 +10,7 @@
 #include "common/base/result.h"
 #include "common/features/orb_extractor.h"
 #include "common/features/stereo_matcher.h"
+#include "common/geometry/ideal_camera.h"
 
 namespace pangaea {
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -12,10 +13,7 @@ namespace pangaea {
 
 struct RelocalizationOptions {
   std::size_t min_matches = 15;  // fewer are not worth an attempt at a pose
-  // Where no candidate's own landmarks give a pose: so many keyframes around each, itself included, whose landmarks are
-  // looked for in a second round. From where nobody looked before, each of them shows a few that look alike.
-  std::size_t window = 6;
-  double sigma = 1.2;  // pixels at octave 0: corners of two images, found independently
+  double sigma = 1.2;            // pixels at octave 0: corners of two images, found independently
   MatchOptions matching;
   AbsolutePoseOptions pose;
 };
@@ -26,11 +24,12 @@ struct Relocalized {
   int inliers = 0;
 };
 
-// Poses of a frame from its features alone: descriptors against the landmarks of each candidate keyframe, or else of
-// each with those around it, then a three-point RANSAC. One for each candidate that gives one, most inliers first, of
-// equals the earlier candidate. The seed fixes the samples.
+// Poses of a frame from its features alone: descriptors against the landmarks of each candidate, then a three-point
+// RANSAC. A candidate shows the landmarks of `window` keyframes, itself first and then those around it: from where
+// nobody looked before each of them shows a few that look alike, together enough. One pose for each candidate that
+// gives one, most inliers first, of equals the earlier candidate. The seed fixes the samples.
 std::vector<Relocalized> Relocalize(const IdealCamera& camera, const Features& features, const Atlas& atlas,
-                                    std::span<const KeyframeId> candidates, const RelocalizationOptions& options,
-                                    std::uint64_t seed);
+                                    std::span<const KeyframeId> candidates, std::size_t window,
+                                    const RelocalizationOptions& options, std::uint64_t seed);
 
 }  // namespace pangaea

@@ -33,19 +33,23 @@ class Lookup {
 
   FrameLookup Compare(const std::vector<KeyframeId>& candidates) const {
     FrameLookup best{.outcome = FrameOutcome::kNoPose};
-    // The first few mostly hold the place: the others are compared only where these do not.
-    for (std::size_t first = 0; first < candidates.size() && !best.is_found(); first += options_.at_once) {
-      const std::size_t count = std::min(options_.at_once, candidates.size() - first);
-      CompareSome(std::span(candidates).subspan(first, count), best);
-    }
+    CompareAll(candidates, 1, best);
+    if (!best.is_found()) CompareAll(candidates, options_.candidate_window, best);
     best.candidates = candidates.size();
     return best;
   }
 
  private:
-  void CompareSome(std::span<const KeyframeId> candidates, FrameLookup& best) const {
+  // The first few mostly hold the place: the others are compared only where these do not.
+  void CompareAll(std::span<const KeyframeId> candidates, std::size_t window, FrameLookup& best) const {
+    for (std::size_t first = 0; first < candidates.size() && !best.is_found(); first += options_.at_once) {
+      CompareSome(candidates.subspan(first, std::min(options_.at_once, candidates.size() - first)), window, best);
+    }
+  }
+
+  void CompareSome(std::span<const KeyframeId> candidates, std::size_t window, FrameLookup& best) const {
     const auto poses =
-        Relocalize(frame_.camera, frame_.features, atlas_, candidates, options_.relocalization, options_.seed);
+        Relocalize(frame_.camera, frame_.features, atlas_, candidates, window, options_.relocalization, options_.seed);
     for (const Relocalized& pose : poses) {
       const FrameLookup lookup = Verify(pose);
       if (lookup.outcome > best.outcome) best = lookup;
@@ -100,6 +104,7 @@ Status FrameLookupOptions::Check() const {
   if (const Status status = observability.Check(); !status) return status;
   return RangeCheck("frame lookup")
       .In("at_once", at_once, 1, 100)
+      .In("candidate_window", candidate_window, 1, 1000)
       .In("window", window, 1, 10000)
       .In("min_inliers", min_inliers, 6, 1000)
       .In("min_agreement", min_agreement, 0.0, 1.0)

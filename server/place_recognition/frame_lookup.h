@@ -19,6 +19,9 @@ struct FrameLookupOptions {
   PlaceQueryOptions query = {.candidates = 12};
   RelocalizationOptions relocalization;
   std::size_t at_once = 3;  // candidates compared before what they give is looked at
+  // Keyframes around a candidate, itself included, whose landmarks the frame is compared with where no candidate's own
+  // lead to a place.
+  std::size_t candidate_window = 6;
   std::size_t window = 30;  // keyframes whose landmarks are looked for then: as an agent's local map
   GuidedSearchOptions guided;
   // As an agent believes a place after a loss: a wrong one costs more than none.

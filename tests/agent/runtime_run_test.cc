@@ -90,6 +90,8 @@ TEST_F(AgentRunTest, TheReportMeasuresDecodingTrackingAndLocalMapping) {
   EXPECT_EQ(report.at("stages").at("tracking").at("count"), kFrames);
   EXPECT_GE(report.at("stages").at("decode").at("count"), kFrames);
   EXPECT_GE(report.at("stages").at("local_mapping").at("count"), report.at("keyframes"));
+  EXPECT_GE(report.at("stages").at("keyframe.extract").at("count"), report.at("keyframes"));
+  EXPECT_GE(report.at("stages").at("keyframe.stereo").at("count"), report.at("keyframes"));
   EXPECT_EQ(report.at("stages").at("mapping.wide_adjustment").at("count"), 1) << "before the map was closed";
   EXPECT_GT(report.at("cpu_seconds"), 0.0);
   EXPECT_GT(report.at("peak_rss_mib"), 0.0);
@@ -118,6 +120,31 @@ TEST_F(AgentRunTest, WithOneCameraTheFlightIsTrackedInOneMapFromTheFirstFrameOn)
   const std::string first = RunInto("mono_1.tum", options);
   EXPECT_EQ(std::count(first.begin(), first.end(), '\n'), kFrames);
   EXPECT_EQ(RunInto("mono_2.tum", options), first);
+}
+
+TEST_F(AgentRunTest, RightImagesThatCannotBeReadCostDepthAndNothingElse) {
+  for (const bool deterministic : {true, false}) {
+    AgentOptions options = Options();
+    options.deterministic = deterministic;
+    options.dataset = Path(deterministic ? "one_eye_deterministic" : "one_eye");
+    CopyRecording(options.dataset);
+    std::vector<std::filesystem::path> right;
+    for (const auto& entry : std::filesystem::directory_iterator(options.dataset / "mav0/cam1/data")) {
+      right.push_back(entry.path());
+    }
+    std::sort(right.begin(), right.end());
+    for (std::size_t i = 1; i < right.size(); ++i) std::filesystem::resize_file(right[i], 20);
+    const auto run = RunAgent(options, {});
+    ASSERT_TRUE(run) << run.error().message;
+    EXPECT_EQ(run->flight.tracked, std::size_t{kFrames});
+    EXPECT_EQ(run->atlas->Maps().size(), 1U);
+    std::size_t with_depth = 0;
+    run->atlas->ForEachKeyframe([&](const Keyframe& keyframe) {
+      with_depth += std::ranges::any_of(keyframe.data->features.keypoints, &Keypoint::has_depth) ? 1 : 0;
+    });
+    EXPECT_GT(run->atlas->keyframe_count(), 1U);
+    EXPECT_EQ(with_depth, 1U) << "the first one alone";
+  }
 }
 
 TEST_F(AgentRunTest, APictureThatFreezesGivesNoPoses) {

@@ -2,11 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <memory>
-#include <random>
 #include <vector>
 
-#include "common/map/map_edit.h"
 #include "server/fusion/welding.h"
 #include "server/map_comparison/map_sample.h"
 #include "server/map_comparison/point_grid.h"

@@ -25,6 +25,14 @@ TEST(RecentKeyframes, OneIsUnderWayUntilTheMapHasTheNewest) {
   EXPECT_FALSE(recent.IsOneUnderWay(Chain(2)));
 }
 
+TEST(RecentKeyframes, TheNewestHasArrivedWhereItWasTracked) {
+  const RecentKeyframes recent = Made(2);
+  EXPECT_FALSE(recent.NewestTrackedAgainst(Kept(1), Chain(1)).valid()) << "it is under way";
+  EXPECT_EQ(recent.NewestTrackedAgainst(Kept(1), Chain(2)), Kept(2));
+  EXPECT_FALSE(recent.NewestTrackedAgainst(Kept(7), Chain(2)).valid()) << "the camera has another reference by now";
+  EXPECT_FALSE(RecentKeyframes(10).NewestTrackedAgainst({}, Chain(2)).valid());
+}
+
 TEST(RecentKeyframes, ThePoseOfOneUnderWayIsKnownOnceItsReferenceIs) {
   const RecentKeyframes recent = Made(3);
   EXPECT_TRUE(recent.PosesUnderWay(Atlas{}).empty());

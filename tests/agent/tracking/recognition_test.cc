@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "agent/mapping/local_mapper.h"
 #include "common/map/forgetting.h"
 #include "common/map/map_edit.h"
@@ -122,13 +124,26 @@ TEST_F(RecognitionTest, WhereACandidateItselfShowsTooLittleTheKeyframesAroundItD
   const Rigid3d camera_from_world = CirclePose(3, 40);
   const Features features = Look(camera_from_world);
   const std::vector<KeyframeId> candidates = {{1, 11}, {1, 99}};  // one that looks elsewhere, one that never was
-  RelocalizationOptions alone;
-  alone.window = 1;
-  EXPECT_THAT(Relocalize(world.camera(), features, atlas, candidates, alone, 1), IsEmpty());
-  const auto poses = Relocalize(world.camera(), features, atlas, candidates, {}, 1);
+  EXPECT_THAT(Relocalize(world.camera(), features, atlas, candidates, 1, {}, 1), IsEmpty());
+  const auto poses = Relocalize(world.camera(), features, atlas, candidates, 6, {}, 1);
   ASSERT_EQ(poses.size(), 1U);
   EXPECT_EQ(poses[0].keyframe, candidates[0]);
   EXPECT_LT(Distance(poses[0].camera_from_map, TruePose(camera_from_world)), 0.05);
+}
+
+TEST_F(RecognitionTest, AWindowIsTriedWhereTheFirstPoseIsNotTrusted) {
+  const Recognition recognition(world.camera(), {}, vocabulary, 1);
+  const Rigid3d camera_from_world = CirclePose(3, 40);
+  const Features features = Look(camera_from_world);
+  const std::vector<KeyframeId> candidates = {{1, 11}, {1, 4}};  // the second one's own landmarks give a pose
+  int judged = 0;
+  const auto all_but_the_first = [&](const LocatedFrame&, const LocalMap&) { return ++judged > 1; };
+  const auto surroundings = [&](KeyframeId id) { return CollectLocalMap(atlas, id, TemplateStore(10), {}, {}); };
+  EXPECT_FALSE(recognition.Locate(features, atlas, candidates, surroundings, all_but_the_first));
+  judged = 0;
+  const auto found = recognition.LocateWidely(features, atlas, candidates, surroundings, all_but_the_first);
+  ASSERT_TRUE(found);
+  EXPECT_LT(Distance(found->located.pose.camera_from_map, TruePose(camera_from_world)), 0.02);
 }
 
 TEST_F(RecognitionTest, AFrameIsLocatedWithoutAnyPrediction) {

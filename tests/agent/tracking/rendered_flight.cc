@@ -63,7 +63,7 @@ RenderedFlight::RenderedFlight(std::vector<Surface> surfaces, const TrackingOpti
       renderer_(std::make_shared<const RayTable>(Lens())),
       sensor_(camera_.width, camera_.height, {}),
       tracker_(session, camera_, options, OpenVocabulary().value(), seed),
-      builder_(camera_, options.orb, options.stereo),
+      builder_(camera_, options.ForCamera(camera_).orb, options.stereo),
       mapper_(session, ExactRig()),
       snapshot_(std::make_shared<const Atlas>()) {}
 
