@@ -12,11 +12,6 @@ AgentTracking TrackingOf(const TrackingResult& result) {
   return result.state == TrackingState::kLost ? AgentTracking::kLost : AgentTracking::kInitializing;
 }
 
-double ScaleOf(const Atlas& atlas, const TrackingResult& result) {
-  const Keyframe* reference = atlas.FindKeyframe(atlas.Resolve(result.reference));
-  return reference == nullptr ? 1.0 : reference->scale;
-}
-
 }  // namespace
 
 StateTeller::StateTeller(SessionId session, const Rigid3d& camera_from_body, UplinkThread* uplink, LcmOutput* lcm)
@@ -28,7 +23,7 @@ void StateTeller::TellFrame(std::int64_t stamp_ns, const TrackingResult& result,
                             const FlightRecord& record, std::size_t dropped, std::chrono::steady_clock::duration took) {
   if (!is_heard()) return;
   state_.stamp_ns = stamp_ns;
-  SetPlace(result, atlas);
+  SetPlace(result);
   state_.frames = record.frames();
   state_.tracked = record.tracked;
   state_.dropped = dropped;
@@ -46,8 +41,8 @@ void StateTeller::TellEnd() {
   Tell();
 }
 
-void StateTeller::SetPlace(const TrackingResult& result, const Atlas& atlas) {
-  if (result.tracked) odometry_.Update(result.camera_from_map, result.current_from_previous, ScaleOf(atlas, result));
+void StateTeller::SetPlace(const TrackingResult& result) {
+  if (result.tracked) odometry_.Update(result.camera_from_map, result.current_from_previous, result.map_scale);
   const OdometryState& odometry = odometry_.state();
   state_.tracking = TrackingOf(result);
   state_.discontinuity = result.tracked && odometry.discontinuity;

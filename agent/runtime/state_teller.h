@@ -29,7 +29,7 @@ class StateTeller {
 
  private:
   bool is_heard() const { return uplink_ != nullptr || lcm_ != nullptr; }
-  void SetPlace(const TrackingResult& result, const Atlas& atlas);
+  void SetPlace(const TrackingResult& result);
   void SetUplink();
   void Tell();
 

@@ -119,6 +119,7 @@ void Tracker::TrackKnownMap(std::int64_t stamp_ns, const cv::Mat& left, const Ri
   if (!located) return Lose(stamp_ns, left, right, result, stages);
   FinishTracked(stamp_ns, *located, result);
   ConsiderKeyframe(stamp_ns, left, right, *located, result, stages);
+  if (!result.keyframe) HangBelowKeyframeUnderWay(result);
 }
 
 bool Tracker::IsTrusted(const LocatedFrame& located, const LocalMap& local_map, int min_inliers) const {
@@ -172,6 +173,7 @@ void Tracker::FinishTracked(std::int64_t stamp_ns, const LocatedFrame& located, 
   result.map = map_;
   result.reference = reference;
   result.reference_scale = {previous.scale};
+  result.map_scale = previous.scale;
   result.pose = FramePose{stamp_ns, previous.reference_from_frame};
   result.camera_from_map = camera_from_map;
   result.inliers = located.pose.inliers;

@@ -41,6 +41,7 @@ struct TrackingResult {
   FramePose pose;                  // relative to `reference`
   ReferenceScale reference_scale;  // of `reference`, when `pose` was measured
   Rigid3d camera_from_map;         // as known now; later corrections move the reference
+  double map_scale = 1.0;          // by which corrections have multiplied lengths here (Keyframe::scale), as known now
   // The camera's motion since the frame tracked before, both measured in the present snapshot; none where that frame is
   // of another map.
   std::optional<Rigid3d> current_from_previous;
@@ -101,6 +102,8 @@ class Tracker {
   Vector6d VelocityInto(std::int64_t stamp_ns, const Rigid3d& camera_from_map) const;
   void FinishTracked(std::int64_t stamp_ns, const LocatedFrame& located, TrackingResult& result);
   void HangBelowOwnKeyframe(TrackingResult& result) const;
+  void HangBelowKeyframeUnderWay(TrackingResult& result) const;
+  static void HangBelow(const RecentKeyframes::Place& keyframe, TrackingResult& result);
   void ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
                         const LocatedFrame& located, TrackingResult& result, StageRecorder& stages);
   void KeepFrame(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, const LocatedFrame& located,

@@ -108,10 +108,22 @@ void Tracker::EnterLargerMap(std::int64_t stamp_ns, const cv::Mat& left, RawKeyf
 void Tracker::HangBelowOwnKeyframe(TrackingResult& result) const {
   if (result.reference.session == session_) return;
   const auto own = recent_keyframes_.NewestIn(map_, session_, *atlas_);
-  if (!own) return;
-  result.reference = own->id;
-  result.pose.reference_from_frame = own->camera_from_map * result.camera_from_map.Inverse();
-  if (own->scale) result.reference_scale = *own->scale;
+  if (own) HangBelow(*own, result);
+}
+
+// A frame after a keyframe that is not in the map yet was tracked in the same map as that one, and is off as it is:
+// what the map makes of the keyframe holds for the frame, too.
+void Tracker::HangBelowKeyframeUnderWay(TrackingResult& result) const {
+  if (!MappingIsBusy()) return;
+  const auto newest = recent_keyframes_.NewestIn(map_, session_, *atlas_);
+  if (newest && !newest->scale) HangBelow(*newest, result);
+}
+
+// Of one under way, lengths are still those of the reference that the frame was measured against.
+void Tracker::HangBelow(const RecentKeyframes::Place& keyframe, TrackingResult& result) {
+  result.reference = keyframe.id;
+  result.pose.reference_from_frame = keyframe.camera_from_map * result.camera_from_map.Inverse();
+  if (keyframe.scale) result.reference_scale = *keyframe.scale;
 }
 
 }  // namespace pangaea

@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "agent/runtime/state_teller.h"
-#include "common/map/map_edit.h"
 
 namespace pangaea {
 namespace {
@@ -31,22 +30,11 @@ class ListeningUplink final : public UplinkThread {
   std::vector<AgentState> told;
 };
 
-// One keyframe, around which corrections have doubled the lengths.
-Atlas DoubledAtlas() {
-  constexpr KeyframeId kKeyframe{kSession, 1};
-  auto data = std::make_shared<KeyframeData>();
-  data->camera = {640, 480, 400.0, 400.0, 320.0, 240.0, 0.1};
-  Atlas atlas;
-  EXPECT_TRUE(Apply(AddKeyframe{kKeyframe, {kSession, 1}, KeyframeId{}, Rigid3d(), data}, atlas));
-  EXPECT_TRUE(Apply(MoveKeyframes{{{kKeyframe, Rigid3d(), {}, {}, 2.0}}, 1}, atlas));
-  return atlas;
-}
-
 class StateTellerTest : public ::testing::Test {
  protected:
-  void Tell(const TrackingResult& result, const Atlas& atlas = {}) {
+  void Tell(const TrackingResult& result) {
     ++(result.tracked ? record_.tracked : record_.lost);
-    teller_.TellFrame(static_cast<std::int64_t>(record_.frames()), result, atlas, record_, 3, 5ms);
+    teller_.TellFrame(static_cast<std::int64_t>(record_.frames()), result, Atlas(), record_, 3, 5ms);
   }
 
   ListeningUplink uplink_;
@@ -101,12 +89,11 @@ TEST_F(StateTellerTest, ALostFrameKeepsThePlaceOfTheLatestTrackedOneAndIsNoDisco
 }
 
 TEST_F(StateTellerTest, TheOdometryKeepsItsLengthsWhereTheMapWasScaled) {
-  const Atlas atlas = DoubledAtlas();
   TrackingResult first = Tracked(0.0, std::nullopt);
   TrackingResult second = Tracked(1.0, Rigid3d({1, 0, 0, 0}, {-1, 0, 0}));
-  first.reference = second.reference = {kSession, 1};
-  Tell(first, atlas);
-  Tell(second, atlas);
+  first.map_scale = second.map_scale = 2.0;
+  Tell(first);
+  Tell(second);
   ASSERT_EQ(uplink_.told.size(), 2U);
   EXPECT_NEAR(uplink_.told[1].odom_from_body.translation().x(), 0.5, 1e-12);
   EXPECT_EQ(uplink_.told[1].map_from_odom.scale(), 2.0);

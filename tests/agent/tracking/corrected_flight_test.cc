@@ -62,6 +62,31 @@ TEST(CorrectedFlight, TrackingGoesOnWhenTheMapJumpsByAMetreAndTurns) {
   EXPECT_EQ(last.translation(), after.translation());
 }
 
+TEST(CorrectedFlight, FramesHangBelowAKeyframeThatIsOnItsWayIntoTheMap) {
+  constexpr int kLag = 3;  // frames
+  RenderedFlight flight(OneWall(), {});
+  flight.LetMappingLag(kLag);
+  const auto results = flight.FlyAlong(0.0, 6.0, kStep);
+  KeyframeId under_way;
+  int lagging = 0;
+  int frames_below = 0;
+  for (const TrackingResult& result : results) {
+    if (!result.tracked || result.root) continue;
+    if (result.keyframe) {
+      under_way = result.keyframe->id;
+      lagging = kLag;
+    } else if (lagging-- > 0) {
+      EXPECT_EQ(result.reference, under_way);
+      ++frames_below;
+    }
+  }
+  EXPECT_GE(frames_below, kLag);
+  std::size_t in_map = 0;
+  for (const auto& [map, trajectory] : flight.Trajectories()) in_map += trajectory.size();
+  EXPECT_EQ(in_map, Tracked(results)) << "none is lost on the way";
+  EXPECT_LT(flight.PositionError(), 0.01);
+}
+
 TEST(CorrectedFlight, KeyframesThatTheServerDidNotKnowYetComeAlong) {
   RenderedFlight flight(OneWall(), {});
   flight.FlyAlong(0.0, 1.5, kStep);

@@ -92,9 +92,10 @@ TrackingResult RenderedFlight::Track(const cv::Mat& left, const RightImage& righ
   if (result.root) mapper_.Insert(*result.root, stages);
   if (result.keyframe) mapper_.Insert(builder_.Build(*result.keyframe, stages), stages);
   if (result.tracked) mapper_.AddFrames(std::vector{TrackedFrame{result.reference, result.pose}});
-  if (keyframe) unseen_ = lag_;
-  if (keyframe || unseen_ > 0) {
-    if (unseen_-- <= 0) snapshot_ = std::make_shared<const Atlas>(mapper_.atlas());
+  if (keyframe) frames_until_seen_ = lag_;
+  if (frames_until_seen_ && (*frames_until_seen_)-- == 0) {
+    snapshot_ = std::make_shared<const Atlas>(mapper_.atlas());
+    frames_until_seen_.reset();
   }
   stamp_ns_ += kFramePeriod;
   return result;

@@ -62,7 +62,7 @@ class RenderedFlight {
   LocalMapper mapper_;
   std::shared_ptr<const Atlas> snapshot_;
   int lag_ = 0;
-  int unseen_ = 0;  // frames until the snapshot is renewed
+  std::optional<int> frames_until_seen_;  // until the snapshot is renewed; none: it is
   std::int64_t stamp_ns_ = 0;
   std::uint64_t pictures_ = 0;
   std::vector<StampedPose> truth_;
