@@ -31,7 +31,7 @@ struct RawKeyframe {
   RightImage right;
   std::vector<FixedPoint> tracked;    // where landmarks were found
   std::vector<LandmarkId> landmarks;  // the landmark of each
-  std::vector<float> depths;          // that the map predicts for each, metres
+  std::vector<float> depths;          // that the map predicts for each, map units
   KeyframeId reference;               // as in KeyframeCandidate
   Rigid3d camera_from_reference;
   ReferenceScale reference_scale;
@@ -49,8 +49,8 @@ class KeyframeBuilder {
 
   // The candidate that a raw keyframe becomes. Stages "keyframe.extract" and "keyframe.stereo".
   KeyframeCandidate Build(const RawKeyframe& keyframe, StageRecorder& stages);
-  // What a frame shows; its keypoints begin with `fixed`, in order, at `depths` (metres) as far as these are predicted.
-  // Stages as above; without a right image it has no depth.
+  // What a frame shows; its keypoints begin with `fixed`, in order, at `depths` (map units) as far as these are
+  // predicted. Stages as above; without a right image it has no depth.
   std::shared_ptr<KeyframeData> Describe(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
                                          std::span<const FixedPoint> fixed, std::span<const float> depths,
                                          StageRecorder& stages);

@@ -68,15 +68,15 @@ TEST(CorrectedFlight, FramesHangBelowAKeyframeThatIsOnItsWayIntoTheMap) {
   flight.LetMappingLag(kLag);
   const auto results = flight.FlyAlong(0.0, 6.0, kStep);
   KeyframeId under_way;
-  int lagging = 0;
+  int lagging = -1;
   int frames_below = 0;
   for (const TrackingResult& result : results) {
     if (!result.tracked || result.root) continue;
     if (result.keyframe) {
       under_way = result.keyframe->id;
       lagging = kLag;
-    } else if (lagging-- > 0) {
-      EXPECT_EQ(result.reference, under_way);
+    } else if (lagging-- >= 0) {
+      EXPECT_EQ(result.reference, under_way) << "also in the frame at which it has come into the map";
       ++frames_below;
     }
   }
