@@ -46,8 +46,8 @@ struct LocalBundleAdjustmentOptions {
   std::size_t window_keyframes = 20;
   // Keyframes held fixed because they see the window's landmarks; the ones with most such landmarks (count).
   std::size_t fixed_keyframes = 30;
-  int iterations = 5;                   // steps with the robust kernel
-  int iterations_without_outliers = 3;  // then so many without it and without the outliers it showed
+  int iterations = 5;                   // steps with all observations
+  int iterations_without_outliers = 3;  // then so many without the outliers these showed, with a narrower kernel
   double cost_tolerance = 1e-6;         // either ends when a step lowers the cost by less than this share of it
   BundleAdjustmentBackEnd back_end = BundleAdjustmentBackEnd::kFast;
 };

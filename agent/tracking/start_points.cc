@@ -14,9 +14,9 @@ namespace pangaea {
 namespace {
 
 constexpr double kMinAgreement = 0.5;
-// Steps with the robust kernel, and then without it and without outliers: from a good start few are needed.
-constexpr int kRobustSteps = 10;
-constexpr int kPlainSteps = 10;
+// Steps with all observations, and then with a narrower kernel and without outliers: from a good start few are needed.
+constexpr int kWideSteps = 10;
+constexpr int kNarrowSteps = 10;
 
 Eigen::Vector3d MonocularMeasurement(const Eigen::Vector2d& pixel) { return {pixel.x(), pixel.y(), -1.0}; }
 
@@ -76,8 +76,8 @@ std::optional<Rigid3d> LocateOnPoints(const IdealCamera& camera, const StartPoin
 void AdjustStart(const IdealCamera& camera, double median_depth, StartPoints& points, std::span<StartView> views) {
   const BundleProblem problem = MakeProblem(camera, points, views);
   BundleOptions options;
-  options.iterations = kRobustSteps;
-  options.iterations_without_outliers = kPlainSteps;
+  options.iterations = kWideSteps;
+  options.iterations_without_outliers = kNarrowSteps;
   const auto adjusted = SolveBundle(problem, options);
   PANGAEA_CHECK(adjusted.has_value());
   const int last_pose = static_cast<int>(views.size());

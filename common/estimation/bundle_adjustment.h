@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/estimation/kernel_bends.h"
 #include "common/geometry/ideal_camera.h"
 #include "common/geometry/reprojection.h"
 #include "common/geometry/rigid3.h"
@@ -60,10 +61,13 @@ struct BundleOptions {
   // in the noise that the first phase's residuals show (MeasuredNoise, at least this), is an outlier as well. 1: by the
   // given sigmas alone.
   double least_noise = 1.0;
-  bool robust = true;  // Huber kernel in the first phase; without it, plain least squares
+  bool robust = true;  // Huber kernels; without them, plain least squares
   int iterations = 5;  // steps of the first phase
-  // Steps of a second phase without kernel and without the observations that the first left as outliers. 0: none.
+  // Steps of a second phase without the observations that the first left as outliers. 0: none.
   int iterations_without_outliers = 0;
+  // Where its kernel bends, as a share of the roots of the thresholds (those that the noise gives); infinity: no
+  // kernel.
+  double narrow_kernel = kNarrowKernel;
   double cost_tolerance = 1e-6;  // a phase ends when a step lowers the cost by less than this, relatively
   int threads = 1;               // Ceres only
   double max_seconds = 0.0;      // Ceres only, per phase; 0: no limit

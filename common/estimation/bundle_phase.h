@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/estimation/bundle_adjustment.h"
+#include "common/estimation/kernel_bends.h"
 
 namespace pangaea {
 
@@ -13,7 +14,7 @@ struct BundlePhase {
   const BundleProblem& problem;
   const BundleOptions& options;
   std::span<const std::uint8_t> active;  // per observation; the others do not count
-  bool robust;
+  KernelBends bends;
   int iterations;
 };
 

@@ -32,8 +32,8 @@ class CeresBundle {
       : phase_(phase),
         state_(state),
         problem_(ProblemOptions()),
-        monocular_kernel_(std::sqrt(phase.options.monocular_chi2)),
-        stereo_kernel_(std::sqrt(phase.options.stereo_chi2)) {
+        monocular_kernel_(std::sqrt(phase.bends.monocular)),
+        stereo_kernel_(std::sqrt(phase.bends.stereo)) {
     poses_.reserve(state.camera_from_map.size());
     for (const Rigid3d& pose : state.camera_from_map) poses_.push_back(ToParameters(pose));
     pose_used_.assign(poses_.size(), 0);
@@ -78,7 +78,7 @@ class CeresBundle {
     const bool stereo = IsStereo(observation.measurement);
     ceres::LossFunction* kernel = stereo ? &stereo_kernel_ : &monocular_kernel_;
     problem_.AddResidualBlock(MakeBundleCost(phase_.problem.cameras[pose.camera], observation).release(),
-                              phase_.robust ? kernel : nullptr, pose_block, point_block);
+                              phase_.bends == kNoKernel ? nullptr : kernel, pose_block, point_block);
     if (pose_used_[observation.pose] == 0) {
       pose_used_[observation.pose] = 1;
       if (pose.fixed) {

@@ -1,7 +1,6 @@
 #include "common/estimation/local_bundle_layout.h"
 
 #include <algorithm>
-#include <limits>
 #include <tuple>
 
 namespace pangaea::local_bundle {
@@ -48,12 +47,11 @@ std::vector<int> EliminationOrder(const BundlePhase& phase, const Layout& layout
 
 void AddMeasurement(const BundlePhase& phase, const BundleObservation& observation, Layout& layout) {
   const bool stereo = IsStereo(observation.measurement);
-  const double bend = stereo ? phase.options.stereo_chi2 : phase.options.monocular_chi2;
   const int position = static_cast<int>(layout.measurements.size());
   const double disparity = observation.measurement.x() - observation.measurement.z();
   layout.measurements.push_back({observation.measurement.x(), observation.measurement.y(), disparity,
                                  observation.inverse_sigma * observation.inverse_sigma,
-                                 phase.robust ? bend : std::numeric_limits<double>::max(), observation.pose, stereo});
+                                 stereo ? phase.bends.stereo : phase.bends.monocular, observation.pose, stereo});
   if (layout.tracks.empty() || layout.tracks.back().point != observation.point) {
     const bool fixed = phase.problem.points[observation.point].fixed;
     layout.tracks.push_back({position, position, position, observation.point, fixed});

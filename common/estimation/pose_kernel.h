@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 
+#include "common/estimation/kernel_bends.h"
 #include "common/estimation/pose_refinement.h"
 
 namespace pangaea {
@@ -13,12 +14,6 @@ struct PoseNormalEquations {
   Matrix6d information = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
   double cost = 0.0;
-};
-
-// Huber's kernel is quadratic up to these squared residuals (in sigmas), linear beyond; infinity is no kernel.
-struct KernelBends {
-  double monocular;
-  double stereo;
 };
 
 // Sums the observations whose flag in `active` is not 0. Vectorised over observations, with the widest instructions

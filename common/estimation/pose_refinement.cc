@@ -65,6 +65,8 @@ class Refiner {
         options_(options),
         inliers_(inliers),
         prior_(prior),
+        wide_{options.monocular_chi2, options.stereo_chi2},
+        narrow_(Narrowed(wide_, options.narrow_kernel)),
         camera_from_map_(initial) {}
 
   std::optional<RefinedPose> Run() {
@@ -79,10 +81,9 @@ class Refiner {
     bool converged = false;
     for (int round = 0; round < options_.rounds; ++round) {
       if (count < options_.min_inliers) return std::nullopt;
-      const bool robust = round < options_.rounds - options_.rounds_without_kernel;
-      const bool kernel_dropped = round == options_.rounds - options_.rounds_without_kernel;
-      if (!changed && !kernel_dropped && converged) continue;
-      converged = Optimize(robust);
+      const int first_narrow_round = options_.rounds - options_.rounds_with_narrow_kernel;
+      if (!changed && round != first_narrow_round && converged) continue;
+      converged = Optimize(round < first_narrow_round ? wide_ : narrow_);
       count = Judge(changed);
     }
     if (count < options_.min_inliers) return std::nullopt;
@@ -90,19 +91,16 @@ class Refiner {
   }
 
  private:
-  PoseNormalEquations Linearize(const Rigid3d& camera_from_map, bool robust) const {
-    const double none = std::numeric_limits<double>::max();
-    const KernelBends bends =
-        robust ? KernelBends{options_.monocular_chi2, options_.stereo_chi2} : KernelBends{none, none};
+  PoseNormalEquations Linearize(const Rigid3d& camera_from_map, const KernelBends& bends) const {
     PoseNormalEquations equations = AccumulatePose(camera_, camera_from_map, observations_, inliers_, bends);
     if (prior_) AddPrior(*prior_, camera_from_map, equations);
     return equations;
   }
 
   // Moves the pose to the minimum over the current inliers. True when it got there.
-  bool Optimize(bool robust) {
+  bool Optimize(const KernelBends& bends) {
     double damping = kInitialDamping;
-    PoseNormalEquations equations = Linearize(camera_from_map_, robust);
+    PoseNormalEquations equations = Linearize(camera_from_map_, bends);
     for (int i = 0; i < options_.max_iterations && damping < kMaxDamping; ++i) {
       Matrix6d damped = equations.information;
       damped.diagonal() *= 1.0 + damping;
@@ -114,7 +112,7 @@ class Refiner {
         camera_from_map_ = trial;
         return true;
       }
-      const PoseNormalEquations next = Linearize(trial, robust);
+      const PoseNormalEquations next = Linearize(trial, bends);
       if (next.cost < equations.cost) {
         camera_from_map_ = trial;
         equations = next;
@@ -154,7 +152,7 @@ class Refiner {
     RefinedPose result;
     result.camera_from_map = camera_from_map_;
     result.inliers = count;
-    result.information = Linearize(camera_from_map_, false).information;
+    result.information = Linearize(camera_from_map_, kNoKernel).information;
     result.mean_squared_error = squared_error_ / std::max(count, 1);
     result.converged = converged;
     if (!IsDetermined(result.information)) return std::nullopt;
@@ -166,6 +164,8 @@ class Refiner {
   const PoseRefinementOptions& options_;
   std::span<std::uint8_t> inliers_;
   const std::optional<PosePrior>& prior_;
+  const KernelBends wide_;
+  const KernelBends narrow_;
   Rigid3d camera_from_map_;
   double squared_error_ = 0.0;
 };
@@ -176,10 +176,11 @@ Status PoseRefinementOptions::Check() const {
   if (!(monocular_chi2 > 0.0) || !(stereo_chi2 > 0.0)) {
     return Fail(ErrorCode::kInvalidArgument, "pose refinement: chi2 thresholds must be > 0");
   }
-  if (rounds < 1 || rounds_without_kernel < 0 || rounds_without_kernel > rounds || max_iterations < 1) {
+  if (rounds < 1 || rounds_with_narrow_kernel < 0 || rounds_with_narrow_kernel > rounds || max_iterations < 1) {
     return Fail(ErrorCode::kInvalidArgument,
-                "pose refinement: rounds and max_iterations must be >= 1, rounds_without_kernel in [0, rounds]");
+                "pose refinement: rounds and max_iterations must be >= 1, rounds_with_narrow_kernel in [0, rounds]");
   }
+  if (!(narrow_kernel > 0.0)) return Fail(ErrorCode::kInvalidArgument, "pose refinement: narrow_kernel must be > 0");
   if (!(step_tolerance >= 0.0) || min_inliers < 0) {
     return Fail(ErrorCode::kInvalidArgument, "pose refinement: step_tolerance and min_inliers must be >= 0");
   }

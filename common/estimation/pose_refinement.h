@@ -6,6 +6,7 @@
 #include <span>
 
 #include "common/base/result.h"
+#include "common/estimation/kernel_bends.h"
 #include "common/geometry/ideal_camera.h"
 #include "common/geometry/reprojection.h"
 #include "common/geometry/rigid3.h"
@@ -25,11 +26,12 @@ struct PoseRefinementOptions {
   double stereo_chi2 = kStereoChi2;
   // Rounds of optimising the inliers and then judging every observation anew.
   int rounds = 4;
-  // The last this many rounds run without the robust kernel: outliers are gone by then and the kernel would only bias.
-  int rounds_without_kernel = 2;
-  int max_iterations = 10;       // Levenberg-Marquardt steps in a round
-  double step_tolerance = 1e-3;  // in standard deviations of the pose: a shorter step ends a round
-  int min_inliers = 6;           // with fewer there is no pose
+  // In the last this many rounds it bends at this share of the roots: outliers are gone by then.
+  int rounds_with_narrow_kernel = 2;
+  double narrow_kernel = kNarrowKernel;  // infinity: no kernel in these rounds
+  int max_iterations = 10;               // Levenberg-Marquardt steps in a round
+  double step_tolerance = 1e-3;          // in standard deviations of the pose: a shorter step ends a round
+  int min_inliers = 6;                   // with fewer there is no pose
 
   Status Check() const;
 };

@@ -31,7 +31,7 @@ struct PosedMapOptions {
   std::size_t overlap_samples = 40;
   // The keyframes before it that are tried whatever they see: without stereo nothing else begins a map (count).
   std::size_t latest = 3;
-  // Steps of the final adjustment of the points, with the robust kernel and then without the outliers it showed.
+  // Steps of the final adjustment of the points, with all observations and then without the outliers these showed.
   int iterations = 10;
   int iterations_without_outliers = 5;
 

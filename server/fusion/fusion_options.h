@@ -56,8 +56,8 @@ struct FusionOptions {
   double first_radius = 8.0;
   double second_radius = 4.0;
   LandmarkSearchOptions search;         // its radii and gate are replaced by those
-  int iterations = 6;                   // steps of the bundle adjustment with the robust kernel
-  int iterations_without_outliers = 4;  // then so many without it and without the outliers it showed
+  int iterations = 6;                   // steps of the bundle adjustment with all observations
+  int iterations_without_outliers = 4;  // then so many without the outliers these showed, with a narrower kernel
   SeamJudgementOptions judgement;
   DriftOptions drift;
 

@@ -15,8 +15,8 @@ namespace pangaea {
 
 struct GlobalBundleOptions {
   MeasurementNoiseOptions noise = {};
-  int iterations = 10;                   // steps with the robust kernel
-  int iterations_without_outliers = 10;  // then so many without it and without the outliers it showed
+  int iterations = 10;                   // steps with all observations
+  int iterations_without_outliers = 10;  // then so many without the outliers these showed, with a narrower kernel
   double cost_tolerance = 1e-4;          // a phase ends when a step lowers the cost by less than this, relatively
   // What contradicts the adjusted map is judged by the noise that the map itself shows, which is mostly less than
   // noise.pixel_sigma: by that, what is off by a pixel or two, as a neighbouring corner taken for the same one is,
@@ -49,8 +49,8 @@ struct GlobalBundle {
   std::vector<MapEdit> removals;  // of observations that contradict the adjusted map, and of what loses its last ones
   std::size_t observations = 0;
   std::size_t outliers = 0;
-  double initial_cost = 0.0;  // half the sum of the squared residuals, in sigmas; with the robust kernel
-  double final_cost = 0.0;    // without the kernel, over the inliers
+  double initial_cost = 0.0;  // half the sum of the kernel of the squared residuals, in sigmas
+  double final_cost = 0.0;    // over the inliers, with the narrower kernel
   int iterations = 0;
 };
 

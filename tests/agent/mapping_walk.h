@@ -62,13 +62,13 @@ class Walk {
     });
     return largest;
   }
-  // What that would be if every keypoint were known to show its corner and all were adjusted at once, beginning at the
-  // truth: no mapper can do better than by luck.
+  // What that would be if every keypoint were known to show its corner and all were adjusted at once, with the kernels
+  // of any adjustment, beginning at the truth: no mapper can do better than by luck.
   double LargestPositionErrorOfNoise() const {
     const BundleProblem problem = KnownCorners();
     BundleOptions options;
-    options.robust = false;  // every observation is right
     options.iterations = 30;
+    options.iterations_without_outliers = 30;
     options.cost_tolerance = 1e-9;
     const auto solution = SolveBundle(problem, options);
     EXPECT_TRUE(solution.has_value());

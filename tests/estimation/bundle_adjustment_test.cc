@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -11,6 +12,7 @@ namespace pangaea::testing {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr BundleSolver kSolvers[] = {BundleSolver::kLocal, BundleSolver::kSparse, BundleSolver::kDenseSchur,
                                      BundleSolver::kSparseSchur, BundleSolver::kIterativeSchur};
 
@@ -54,6 +56,54 @@ TEST(BundleAdjustment, AllSolversReachTheSameCostAmongOutliers) {
       ASSERT_TRUE(other);
       EXPECT_NEAR(own->initial_cost, other->initial_cost, 1e-9 * other->initial_cost) << "seed " << seed;
       EXPECT_NEAR(own->final_cost, other->final_cost, 1e-6 * other->final_cost) << "seed " << seed;
+    }
+  }
+}
+
+// As PoseRefinement's: five of six measurements are good.
+BundleWorld MakeMixedWorld(std::uint64_t seed) {
+  BundleWorld world = MakeBundleWorld(seed, {.noise = 0.0, .stereo = seed % 2 == 0});
+  Random random(seed + 1000);
+  for (std::size_t i = 0; i < world.problem.observations.size(); ++i) {
+    BundleObservation& observation = world.problem.observations[i];
+    const bool stereo = IsStereo(observation.measurement);
+    observation.measurement = Disturbed(random, observation.measurement, MixedSigma(i) / observation.inverse_sigma);
+    if (!stereo) observation.measurement.z() = -1.0;
+  }
+  return world;
+}
+
+TEST(BundleAdjustment, AFewPoorMeasurementsAmongGoodOnesMoveItLessThanWithLeastSquares) {
+  for (const BundleSolver solver : {BundleSolver::kLocal, BundleSolver::kSparse, BundleSolver::kDenseSchur}) {
+    double narrow = 0.0;
+    double least_squares = 0.0;
+    for (std::uint64_t seed = 0; seed < 10; ++seed) {
+      const BundleWorld world = MakeMixedWorld(seed);
+      BundleOptions options = Thorough(solver);
+      options.iterations_without_outliers = 60;
+      const auto narrowed = SolveBundle(world.problem, options);
+      options.narrow_kernel = kInfinity;
+      const auto plain = SolveBundle(world.problem, options);
+      ASSERT_TRUE(narrowed && plain);
+      narrow += std::pow(LargestPoseError(world.truth, *narrowed), 2);
+      least_squares += std::pow(LargestPoseError(world.truth, *plain), 2);
+    }
+    EXPECT_LT(narrow, 0.5 * least_squares) << "solver " << static_cast<int>(solver);
+  }
+}
+
+TEST(BundleAdjustment, AllSolversReachTheSameCostWithTheNarrowKernel) {
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    const BundleWorld world = MakeMixedWorld(seed);
+    const auto cost = [&world](BundleSolver solver) {
+      BundleOptions options = Thorough(solver);
+      options.iterations_without_outliers = 200;
+      const auto result = SolveBundle(world.problem, options);
+      return result ? result->final_cost : -1.0;
+    };
+    const double own = cost(BundleSolver::kLocal);
+    for (const BundleSolver solver : {BundleSolver::kSparse, BundleSolver::kDenseSchur, BundleSolver::kSparseSchur}) {
+      EXPECT_NEAR(own, cost(solver), 1e-5 * own) << "seed " << seed;
     }
   }
 }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "common/estimation/pose_kernel.h"
 #include "tests/estimation/synthetic_world.h"
@@ -64,6 +65,12 @@ TEST_P(PoseKernelOfSize, InformationIsThatOfTheReprojectionJacobians) {
 
 INSTANTIATE_TEST_SUITE_P(AroundTheVectorWidth, PoseKernelOfSize, ::testing::Values(0, 1, 3, 7, 8, 9, 21));
 
+double SquaredPoseError(const PoseWorld& world, const PoseRefinementOptions& options) {
+  std::vector<std::uint8_t> inliers(world.observations.size());
+  const auto pose = RefinePose(world.camera, world.camera_from_map, world.observations, options, inliers);
+  return pose ? std::pow(PoseError(pose->camera_from_map, world.camera_from_map), 2) : kInfinity;
+}
+
 TEST(PoseRefinement, ExactObservationsGiveTheExactPose) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     for (const bool stereo : {true, false}) {
@@ -110,6 +117,35 @@ TEST(PoseRefinement, ErrorsAreAsLargeAsTheInformationSays) {
   }
   // Six degrees of freedom: the mean of 200 such values has a standard deviation of 0.25.
   EXPECT_NEAR(normalised, 6.0, 1.0);
+}
+
+TEST(PoseRefinement, AFewPoorMeasurementsAmongGoodOnesMoveThePoseLessThanWithLeastSquares) {
+  double narrow = 0.0;
+  double least_squares = 0.0;
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    PoseWorld world = MakePoseWorld(seed, {});
+    Random random(seed + 1000);
+    for (std::size_t i = 0; i < world.observations.size(); ++i) {
+      PoseObservation& observation = world.observations[i];
+      const bool stereo = IsStereo(observation.measurement);
+      observation.measurement = Disturbed(random, observation.measurement, MixedSigma(i) / observation.inverse_sigma);
+      if (!stereo) observation.measurement.z() = -1.0;
+    }
+    narrow += SquaredPoseError(world, {});
+    least_squares += SquaredPoseError(world, {.narrow_kernel = kInfinity});
+  }
+  EXPECT_LT(narrow, 0.4 * least_squares);
+}
+
+TEST(PoseRefinement, WhereAllMeasurementsAreAlikeTheNarrowKernelCostsLessThanTheMedianWould) {
+  double narrow = 0.0;
+  double least_squares = 0.0;
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    const PoseWorld world = MakePoseWorld(seed, {.noise = 1.0});
+    narrow += SquaredPoseError(world, {});
+    least_squares += SquaredPoseError(world, {.narrow_kernel = kInfinity});
+  }
+  EXPECT_LT(narrow, 0.5 * std::numbers::pi * least_squares);
 }
 
 TEST(PoseRefinement, NonFiniteAndHugeObservationsAreOutliers) {
@@ -221,10 +257,13 @@ TEST(Observability, WithoutInformationTheSigmasAreInfinite) {
 TEST(PoseRefinementOptions, ImpossibleValuesAreRefused) {
   EXPECT_TRUE(PoseRefinementOptions{}.Check());
   PoseRefinementOptions options;
-  options.rounds_without_kernel = 5;
+  options.rounds_with_narrow_kernel = 5;
   EXPECT_FALSE(options.Check());
   options = {};
   options.stereo_chi2 = kNaN;
+  EXPECT_FALSE(options.Check());
+  options = {};
+  options.narrow_kernel = 0.0;
   EXPECT_FALSE(options.Check());
 }
 
