@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "common/geometry/perspective_three_point.h"
@@ -57,19 +58,22 @@ class Estimator {
   }
 
   std::optional<Rigid3d> Improve(const Rigid3d& camera_from_map, std::span<const std::uint8_t> inliers) const {
-    const std::optional<RefinedPose> refined = Fit(camera_from_map, inliers);
+    PoseRefinementOptions squares = options_.refinement;  // as Score judges
+    squares.narrow_share = std::numeric_limits<double>::infinity();
+    const std::optional<RefinedPose> refined = Fit(camera_from_map, inliers, squares);
     if (!refined) return std::nullopt;
     return refined->camera_from_map;
   }
 
-  // The least-squares pose of the flagged observations.
-  std::optional<RefinedPose> Fit(const Rigid3d& camera_from_map, std::span<const std::uint8_t> inliers) const {
+  // The pose of the flagged observations.
+  std::optional<RefinedPose> Fit(const Rigid3d& camera_from_map, std::span<const std::uint8_t> inliers,
+                                 const PoseRefinementOptions& refinement) const {
     std::vector<PoseObservation> kept;
     for (std::size_t i = 0; i < inliers.size(); ++i) {
       if (inliers[i] != 0) kept.push_back(observations_[i]);
     }
     std::vector<std::uint8_t> flags(kept.size());
-    return RefinePose(camera_, camera_from_map, kept, options_.refinement, flags);
+    return RefinePose(camera_, camera_from_map, kept, refinement, flags);
   }
 
  private:
@@ -109,7 +113,8 @@ std::optional<AbsolutePose> EstimateAbsolutePose(const IdealCamera& camera,
   result.iterations = best->iterations;
   result.pose.camera_from_map = best->model;
   for (int pass = 0; pass < kPolishPasses; ++pass) {
-    const std::optional<RefinedPose> refined = estimator.Fit(result.pose.camera_from_map, result.inliers);
+    const std::optional<RefinedPose> refined =
+        estimator.Fit(result.pose.camera_from_map, result.inliers, options.refinement);
     if (!refined) return std::nullopt;
     result.pose = *refined;
     std::vector<std::uint8_t> previous = result.inliers;

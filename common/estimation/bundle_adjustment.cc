@@ -112,7 +112,7 @@ Status BundleOptions::Check() const {
     return Fail(ErrorCode::kInvalidArgument, std::string("bundle adjustment: ") + what);
   };
   if (!(monocular_chi2 > 0.0) || !(stereo_chi2 > 0.0)) return refuse("chi2 thresholds must be > 0");
-  if (!(narrow_kernel > 0.0)) return refuse("narrow_kernel must be > 0");
+  if (!(narrow_share >= kLeastShare)) return refuse("narrow_share must be >= 1e-6");
   if (!(least_noise > 0.0) || !(least_noise <= 1.0)) return refuse("least_noise must be above 0 and at most 1");
   if (iterations < 1) return refuse("iterations must be >= 1");
   if (iterations_without_outliers < 0) return refuse("iterations_without_outliers must be >= 0");
@@ -126,7 +126,7 @@ Result<BundleResult> SolveBundle(const BundleProblem& problem, const BundleOptio
   if (const Status status = options.Check(); !status) return tl::make_unexpected(status.error());
   if (const Status status = CheckProblem(problem); !status) return tl::make_unexpected(status.error());
 
-  const KernelBends wide = options.robust ? KernelBends{options.monocular_chi2, options.stereo_chi2} : kNoKernel;
+  const KernelBends wide{options.monocular_chi2, options.stereo_chi2};
   BundleState state = InitialState(problem);
   // A point behind its camera gives no usable direction of descent.
   std::vector<std::uint8_t> active = FindInliers(problem, state, options, kAnyError);
@@ -137,7 +137,7 @@ Result<BundleResult> SolveBundle(const BundleProblem& problem, const BundleOptio
   const double noise = NoiseOf(problem, state, options);
   active = FindInliers(problem, state, options, noise);
   if (options.iterations_without_outliers > 0 && !outcome.cancelled) {
-    const KernelBends narrow = options.robust ? Narrowed(wide, options.narrow_kernel * noise) : kNoKernel;
+    const KernelBends narrow = Narrowed(wide, options.narrow_share * noise);
     outcome = RunPhase({problem, options, active, narrow, options.iterations_without_outliers}, state);
     result.iterations += outcome.iterations;
     active = FindInliers(problem, state, options, noise);

@@ -54,20 +54,19 @@ enum class BundleSolver {
 
 struct BundleOptions {
   BundleSolver solver = BundleSolver::kLocal;
-  // Squared residuals, in sigmas, beyond which an observation is an outlier; the Huber kernel bends at their roots.
+  // Squared residuals, in sigmas, beyond which an observation is an outlier; the Huber kernel of the first phase bends
+  // at their roots.
   double monocular_chi2 = kMonocularChi2;
   double stereo_chi2 = kStereoChi2;
   // The measurements may be better than their sigmas say: what is off by kBeyondDoubt times the root of its threshold,
   // in the noise that the first phase's residuals show (MeasuredNoise, at least this), is an outlier as well. 1: by the
   // given sigmas alone.
   double least_noise = 1.0;
-  bool robust = true;  // Huber kernels; without them, plain least squares
   int iterations = 5;  // steps of the first phase
   // Steps of a second phase without the observations that the first left as outliers. 0: none.
   int iterations_without_outliers = 0;
-  // Where its kernel bends, as a share of the roots of the thresholds (those that the noise gives); infinity: no
-  // kernel.
-  double narrow_kernel = kNarrowKernel;
+  // Its kernel bends at this share of the roots of the thresholds, those that the noise gives; infinity: no kernel.
+  double narrow_share = kNarrowShare;
   double cost_tolerance = 1e-6;  // a phase ends when a step lowers the cost by less than this, relatively
   int threads = 1;               // Ceres only
   double max_seconds = 0.0;      // Ceres only, per phase; 0: no limit
@@ -82,8 +81,8 @@ struct BundleResult {
   std::vector<Rigid3d> poses;           // camera_from_map, index by index; fixed ones bit-identical
   std::vector<Eigen::Vector3d> points;  // point_in_map
   std::vector<std::uint8_t> outliers;   // per observation: beyond its threshold, or behind the camera, at the end
-  // Half the sum of the (kernel of the) squared residuals in sigmas: before, and after the last phase, each over
-  // the observations and with the kernel of the first and last phase.
+  // Half the sum of the kernel of the squared residuals in sigmas: before, and after the last phase, each over the
+  // observations and with the kernel of the first and last phase. With two phases they do not compare.
   double initial_cost = 0.0;
   double final_cost = 0.0;
   int iterations = 0;      // steps tried, over all phases

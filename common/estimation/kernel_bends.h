@@ -16,15 +16,16 @@ struct KernelBends {
 // Nothing bends: plain least squares. Finite, because kernels divide by their bends.
 inline constexpr KernelBends kNoKernel{std::numeric_limits<double>::max(), std::numeric_limits<double>::max()};
 
-// Where the kernel bends once the outliers are gone, as a share of the root of the outliers' threshold. Most of what is
-// left is several times better than its sigma, and some is not: least squares would follow the few
+// Where the kernel bends once the outliers are gone: at this share of the root of the threshold of the outliers. Most
+// of what is left is several times better than its sigma, and some is not: least squares would follow the few
 // (docs/decisions/0032-narrow-kernel.md).
-inline constexpr double kNarrowKernel = 0.13;
+inline constexpr double kNarrowShare = 0.13;
 
-// `share` is positive; infinity is no kernel.
-inline KernelBends Narrowed(const KernelBends& outliers, double share) {
+// `share`: kLeastShare or more; infinity is no kernel. Smaller ones would leave nothing to divide by.
+inline constexpr double kLeastShare = 1e-6;
+inline KernelBends Narrowed(const KernelBends& thresholds, double share) {
   const auto narrowed = [share](double threshold) { return std::min(share * share * threshold, kNoKernel.monocular); };
-  return {narrowed(outliers.monocular), narrowed(outliers.stereo)};
+  return {narrowed(thresholds.monocular), narrowed(thresholds.stereo)};
 }
 
 }  // namespace pangaea

@@ -66,7 +66,7 @@ class Refiner {
         inliers_(inliers),
         prior_(prior),
         wide_{options.monocular_chi2, options.stereo_chi2},
-        narrow_(Narrowed(wide_, options.narrow_kernel)),
+        narrow_(Narrowed(wide_, options.narrow_share)),
         camera_from_map_(initial) {}
 
   std::optional<RefinedPose> Run() {
@@ -180,7 +180,9 @@ Status PoseRefinementOptions::Check() const {
     return Fail(ErrorCode::kInvalidArgument,
                 "pose refinement: rounds and max_iterations must be >= 1, rounds_with_narrow_kernel in [0, rounds]");
   }
-  if (!(narrow_kernel > 0.0)) return Fail(ErrorCode::kInvalidArgument, "pose refinement: narrow_kernel must be > 0");
+  if (!(narrow_share >= kLeastShare)) {
+    return Fail(ErrorCode::kInvalidArgument, "pose refinement: narrow_share must be >= 1e-6");
+  }
   if (!(step_tolerance >= 0.0) || min_inliers < 0) {
     return Fail(ErrorCode::kInvalidArgument, "pose refinement: step_tolerance and min_inliers must be >= 0");
   }

@@ -21,17 +21,19 @@ struct PoseObservation {
 };
 
 struct PoseRefinementOptions {
-  // Squared residuals, in sigmas, beyond which an observation is an outlier. The Huber kernel bends at their roots.
+  // Squared residuals, in sigmas, beyond which an observation is an outlier. In the first rounds the Huber kernel
+  // bends at their roots.
   double monocular_chi2 = kMonocularChi2;
   double stereo_chi2 = kStereoChi2;
   // Rounds of optimising the inliers and then judging every observation anew.
   int rounds = 4;
-  // In the last this many rounds it bends at this share of the roots: outliers are gone by then.
+  // In the last this many rounds, when outliers are gone, it bends at `narrow_share` of their roots.
   int rounds_with_narrow_kernel = 2;
-  double narrow_kernel = kNarrowKernel;  // infinity: no kernel in these rounds
-  int max_iterations = 10;               // Levenberg-Marquardt steps in a round
-  double step_tolerance = 1e-3;          // in standard deviations of the pose: a shorter step ends a round
-  int min_inliers = 6;                   // with fewer there is no pose
+  double narrow_share = kNarrowShare;  // infinity: no kernel in these rounds
+  int max_iterations = 10;             // Levenberg-Marquardt steps in a round
+  // A shorter step ends a round: in standard deviations of the pose, as the kernel weighs what it rests on.
+  double step_tolerance = 1e-3;
+  int min_inliers = 6;  // with fewer there is no pose
 
   Status Check() const;
 };
@@ -46,7 +48,8 @@ struct RefinedPose {
   Rigid3d camera_from_map;
   int inliers = 0;
   // H = sum J' Omega J over the inliers (and the prior's), without kernel, for the perturbation
-  // camera_from_map <- Exp(e) * camera_from_map with e = (translation, rotation).
+  // camera_from_map <- Exp(e) * camera_from_map with e = (translation, rotation). What least squares would know of the
+  // pose: less than is known where most are better than their sigma, a little more where all are as it says.
   Matrix6d information = Matrix6d::Zero();
   double mean_squared_error = 0.0;  // of the inliers, in sigmas, per observation
   bool converged = false;           // the last round ended by its step, not by its iteration limit

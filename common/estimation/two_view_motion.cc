@@ -200,7 +200,7 @@ class Reconstructor {
     options.cost_tolerance = 0.0;  // to the last digit
     options.iterations = options_.iterations;
     options.iterations_without_outliers = options_.iterations_without_outliers;
-    options.narrow_kernel = std::numeric_limits<double>::infinity();
+    options.narrow_share = std::numeric_limits<double>::infinity();
     const auto adjusted = SolveBundle(problem, options);
     PANGAEA_CHECK(adjusted.has_value());
     TwoViewReconstruction result;

@@ -10,7 +10,8 @@
 namespace pangaea {
 namespace {
 
-// The Huber cost of a squared residual, as the bundle adjustment minimises it: bends at the threshold's root.
+// The Huber cost of a squared residual, as the bundle adjustment's first phase minimises it: it bends at the
+// threshold's root, so that a seam that was tied wrongly shows.
 double HuberCost(double squared, double threshold) {
   return squared <= threshold ? 0.5 * squared : std::sqrt(threshold * squared) - 0.5 * threshold;
 }

@@ -38,10 +38,9 @@ std::shared_ptr<AtlasWork::Team> AtlasWork::MakeTeam() {
     auto result = OptimizeMap(atlas, map, options, before, stop, out_of_time);
     if (!result) return std::optional<OptimizedMap>();
     const GlobalBundle& bundle = result->bundle;
-    spdlog::info(
-        "map {}: {} duplicates fused in {} looks; {} observations, {} outliers, cost {:.4g} to {:.4g}, {} steps",
-        ToString(map), result->fused, result->looks, bundle.observations, bundle.outliers, bundle.initial_cost,
-        bundle.final_cost, bundle.iterations);
+    spdlog::info("map {}: {} duplicates fused in {} looks; {} observations, {} outliers, cost {:.4g}, {} steps",
+                 ToString(map), result->fused, result->looks, bundle.observations, bundle.outliers, bundle.final_cost,
+                 bundle.iterations);
     return std::optional(std::move(result->optimized));
   };
   const auto tidy = [options = options_](const IngestState& state, const std::stop_token& stop) {

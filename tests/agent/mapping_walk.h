@@ -62,8 +62,8 @@ class Walk {
     });
     return largest;
   }
-  // What that would be if every keypoint were known to show its corner and all were adjusted at once, with the kernels
-  // of any adjustment, beginning at the truth: no mapper can do better than by luck.
+  // What that would be if every keypoint were known to show its corner and all were adjusted at once, as the mapper
+  // adjusts, beginning at the truth: the rest is what the mapper misses or keeps wrongly.
   double LargestPositionErrorOfNoise() const {
     const BundleProblem problem = KnownCorners();
     BundleOptions options;
@@ -132,6 +132,7 @@ class Walk {
   // The living keyframes and the corners they see, all at the truth.
   BundleProblem KnownCorners() const {
     const Rigid3d& first_from_world = world.true_camera_from_world({kSession, 1});
+    const MeasurementNoiseOptions noise = LocalMappingOptions{}.noise;
     BundleProblem problem;
     problem.cameras = {world.camera()};
     std::map<int, int> point_index;  // of the corners
@@ -144,7 +145,7 @@ class Walk {
         const auto [point, added] = point_index.try_emplace(corners[i], static_cast<int>(problem.points.size()));
         if (added) problem.points.push_back({first_from_world * world.point(corners[i]).position});
         const Keypoint& keypoint = keyframe.data->features.keypoints[i];
-        problem.observations.push_back({pose, point->second, MeasurementOf(keypoint), 1.0 / SigmaOf(keypoint, {})});
+        problem.observations.push_back({pose, point->second, MeasurementOf(keypoint), 1.0 / SigmaOf(keypoint, noise)});
       }
     });
     return problem;

@@ -82,7 +82,7 @@ TEST(BundleAdjustment, AFewPoorMeasurementsAmongGoodOnesMoveItLessThanWithLeastS
       BundleOptions options = Thorough(solver);
       options.iterations_without_outliers = 60;
       const auto narrowed = SolveBundle(world.problem, options);
-      options.narrow_kernel = kInfinity;
+      options.narrow_share = kInfinity;
       const auto plain = SolveBundle(world.problem, options);
       ASSERT_TRUE(narrowed && plain);
       narrow += std::pow(LargestPoseError(world.truth, *narrowed), 2);
@@ -90,6 +90,26 @@ TEST(BundleAdjustment, AFewPoorMeasurementsAmongGoodOnesMoveItLessThanWithLeastS
     }
     EXPECT_LT(narrow, 0.5 * least_squares) << "solver " << static_cast<int>(solver);
   }
+}
+
+// What a map shows of its noise decides, not by how much its sigmas are too large.
+TEST(BundleAdjustment, TheNarrowKernelFollowsTheNoise) {
+  const BundleWorld world = MakeMixedWorld(3);
+  const auto adjusted = [&world](double excess, double least_noise) {
+    BundleProblem problem = world.problem;
+    for (BundleObservation& observation : problem.observations) observation.inverse_sigma /= excess;
+    BundleOptions options = Thorough(BundleSolver::kLocal);
+    options.monocular_chi2 = options.stereo_chi2 = 1e6;  // the first phase is the same, too
+    options.narrow_share = 1e-3;
+    options.iterations_without_outliers = 200;
+    options.least_noise = least_noise;
+    return SolveBundle(problem, options).value();
+  };
+  const auto difference = [](const BundleResult& a, const BundleResult& b) {
+    return (a.poses[0] * b.poses[0].Inverse()).Log().norm();
+  };
+  EXPECT_LT(difference(adjusted(4.0, 1e-6), adjusted(16.0, 1e-6)), 1e-7);
+  EXPECT_GT(difference(adjusted(4.0, 1.0), adjusted(4.0, 1e-6)), 1e-5);
 }
 
 TEST(BundleAdjustment, AllSolversReachTheSameCostWithTheNarrowKernel) {
