@@ -163,7 +163,6 @@ std::optional<GlobalBundle> AdjustMap(const Atlas& snapshot, MapId map, const Gl
                         .removals = RemoveOutliers(snapshot, bundle, result->outliers),
                         .observations = bundle.problem.observations.size(),
                         .outliers = static_cast<std::size_t>(std::ranges::count(result->outliers, 1)),
-                        .initial_cost = result->initial_cost,
                         .final_cost = result->final_cost,
                         .iterations = result->iterations};
   adjusted.correction.keyframes = Keyframes(snapshot, map, bundle, *result, scales, options.min_observations);

@@ -49,8 +49,7 @@ struct GlobalBundle {
   std::vector<MapEdit> removals;  // of observations that contradict the adjusted map, and of what loses its last ones
   std::size_t observations = 0;
   std::size_t outliers = 0;
-  double initial_cost = 0.0;  // half the sum of the kernel of the squared residuals, in sigmas
-  double final_cost = 0.0;    // over the inliers, with the narrower kernel
+  double final_cost = 0.0;  // half the sum of the narrower kernel of the squared residuals, in sigmas; of the inliers
   int iterations = 0;
 };
 

@@ -60,16 +60,11 @@ TEST(BundleAdjustment, AllSolversReachTheSameCostAmongOutliers) {
   }
 }
 
-// As PoseRefinement's: five of six measurements are good.
-BundleWorld MakeMixedWorld(std::uint64_t seed) {
+BundleWorld MakeUnevenWorld(std::uint64_t seed) {
   BundleWorld world = MakeBundleWorld(seed, {.noise = 0.0, .stereo = seed % 2 == 0});
   Random random(seed + 1000);
-  for (std::size_t i = 0; i < world.problem.observations.size(); ++i) {
-    BundleObservation& observation = world.problem.observations[i];
-    const bool stereo = IsStereo(observation.measurement);
-    observation.measurement = Disturbed(random, observation.measurement, MixedSigma(i) / observation.inverse_sigma);
-    if (!stereo) observation.measurement.z() = -1.0;
-  }
+  std::size_t index = 0;
+  for (BundleObservation& observation : world.problem.observations) DisturbUnevenly(random, index++, observation);
   return world;
 }
 
@@ -78,7 +73,7 @@ TEST(BundleAdjustment, AFewPoorMeasurementsAmongGoodOnesMoveItLessThanWithLeastS
     double narrow = 0.0;
     double least_squares = 0.0;
     for (std::uint64_t seed = 0; seed < 10; ++seed) {
-      const BundleWorld world = MakeMixedWorld(seed);
+      const BundleWorld world = MakeUnevenWorld(seed);
       BundleOptions options = Thorough(solver);
       options.iterations_without_outliers = 60;
       const auto narrowed = SolveBundle(world.problem, options);
@@ -94,7 +89,7 @@ TEST(BundleAdjustment, AFewPoorMeasurementsAmongGoodOnesMoveItLessThanWithLeastS
 
 // What a map shows of its noise decides, not by how much its sigmas are too large.
 TEST(BundleAdjustment, TheNarrowKernelFollowsTheNoise) {
-  const BundleWorld world = MakeMixedWorld(3);
+  const BundleWorld world = MakeUnevenWorld(3);
   const auto adjusted = [&world](double excess, double least_noise) {
     BundleProblem problem = world.problem;
     for (BundleObservation& observation : problem.observations) observation.inverse_sigma /= excess;
@@ -114,7 +109,7 @@ TEST(BundleAdjustment, TheNarrowKernelFollowsTheNoise) {
 
 TEST(BundleAdjustment, AllSolversReachTheSameCostWithTheNarrowKernel) {
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
-    const BundleWorld world = MakeMixedWorld(seed);
+    const BundleWorld world = MakeUnevenWorld(seed);
     const auto cost = [&world](BundleSolver solver) {
       BundleOptions options = Thorough(solver);
       options.iterations_without_outliers = 200;
@@ -271,6 +266,9 @@ TEST(BundleAdjustment, MalformedProblemsAreRefusedWithAReason) {
             "");
   BundleOptions options;
   options.threads = 0;
+  EXPECT_FALSE(SolveBundle(MakeBundleWorld(8, {}).problem, options));
+  options = {};
+  options.narrow_share = 0.0;
   EXPECT_FALSE(SolveBundle(MakeBundleWorld(8, {}).problem, options));
 }
 

@@ -62,8 +62,15 @@ inline Eigen::Vector3d Disturbed(Random& random, const Eigen::Vector3d& measurem
   return measurement + Eigen::Vector3d(u, v, u - sigma / kDisparityPrecision * Gauss(random));
 }
 
-// Measured with these deviations in place of one: five out of six are good, the sixth is poor, but no outlier yet.
-inline double MixedSigma(std::size_t index) { return index % 6 == 5 ? 1.0 : 0.15; }
+// Disturbs a measurement of a PoseObservation or BundleObservation that was exact: five out of six are several times
+// better than their sigma, the sixth is as bad as it says.
+template <typename Observation>
+void DisturbUnevenly(Random& random, std::size_t index, Observation& observation) {
+  const double sigma = (index % 6 == 5 ? 1.0 : 0.15) / observation.inverse_sigma;
+  const bool stereo = IsStereo(observation.measurement);
+  observation.measurement = Disturbed(random, observation.measurement, sigma);
+  if (!stereo) observation.measurement.z() = -1.0;
+}
 
 // A random point in front of a camera, inside its image, in the camera frame.
 inline Eigen::Vector3d VisiblePoint(Random& random, const IdealCamera& camera, double nearest, double farthest) {
