@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -17,18 +18,57 @@ namespace {
 // Far points, whose depth is mostly the calibration's error, tell the most about that.
 constexpr double kAnyDepth = 1e9;  // baselines
 
+// The keyframe's session's keyframes around it, at most so many, without those of `others`.
+std::vector<KeyframeId> SessionAround(const Atlas& atlas, KeyframeId id, std::size_t keyframes,
+                                      std::span<const KeyframeId> others) {
+  std::vector<KeyframeId> around = GrowWindow(atlas, id, keyframes + others.size());
+  std::erase_if(around, [&](KeyframeId other) {
+    return other.session != id.session || IsForgotten(*atlas.FindKeyframe(other)) ||
+           std::ranges::find(others, other) != others.end();
+  });
+  around.resize(std::min(around.size(), keyframes));
+  return around;
+}
+
+// In the middle of what the session has flown in this map apart from these keyframes; none where that is nothing.
+std::optional<KeyframeId> MiddleOfTheRest(const Atlas& atlas, KeyframeId newest, std::span<const KeyframeId> apart) {
+  const MapId map = atlas.FindKeyframe(newest)->map;
+  std::vector<KeyframeId> rest;
+  atlas.ForEachKeyframe(newest.session, [&](const Keyframe& keyframe) {
+    const bool counts = keyframe.map == map && !IsForgotten(keyframe);
+    if (counts && std::ranges::find(apart, keyframe.id) == apart.end()) rest.push_back(keyframe.id);
+  });
+  if (rest.empty()) return std::nullopt;
+  return rest[rest.size() / 2];
+}
+
 // Moved against the oldest, which alone is held: its neighbours have the scale that wrong disparities gave them.
-BundleWindow WindowOf(const Atlas& atlas, KeyframeId newest, std::size_t keyframes) {
+BundleWindow WindowOf(const Atlas& atlas, std::vector<KeyframeId> keyframes) {
   BundleWindow window;
-  window.free = GrowWindow(atlas, newest, keyframes);
-  std::erase_if(window.free,
-                [&](KeyframeId id) { return id.session != newest.session || IsForgotten(*atlas.FindKeyframe(id)); });
-  if (window.free.empty()) return window;
+  window.free = std::move(keyframes);
   window.landmarks = LandmarksSeenBy(atlas, window.free);
   const auto oldest = std::ranges::min_element(window.free);
   window.fixed.push_back(*oldest);
   window.free.erase(oldest);
   return window;
+}
+
+// How far off the vergence is by what these keyframes saw, where that is more than chance and worth a correction.
+std::optional<double> ErrorSeenBy(const Atlas& atlas, std::vector<KeyframeId> keyframes, const VergenceOptions& options,
+                                  const MeasurementNoiseOptions& noise, const std::stop_token& stop) {
+  const double focal_x = atlas.FindKeyframe(keyframes.front())->data->camera.focal_x;
+  BundleOptions solver;
+  solver.iterations = options.iterations;
+  solver.cost_tolerance = options.cost_tolerance;
+  solver.stop = stop;
+  MeasurementNoiseOptions all = noise;
+  all.max_depth_baselines = kAnyDepth;
+  const auto estimate =
+      EstimateVergence(BuildWindowBundle(atlas, WindowOf(atlas, std::move(keyframes)), all).problem, solver);
+  if (!estimate) return std::nullopt;
+  const double error = std::abs(estimate->vergence);
+  if (error * focal_x < options.min_shift || error < options.min_sigmas * estimate->sigma) return std::nullopt;
+  return estimate->vergence;
 }
 
 }  // namespace
@@ -37,22 +77,24 @@ std::optional<double> FindBetterVergence(const Atlas& atlas, KeyframeId newest, 
                                          const MeasurementNoiseOptions& noise, const std::stop_token& stop) {
   const KeyframeData& data = *atlas.FindKeyframe(newest)->data;
   if (!data.camera.is_stereo()) return std::nullopt;
-  const BundleWindow window = WindowOf(atlas, newest, options.window_keyframes);
-  if (window.free.size() + 1 < options.first_keyframes) return std::nullopt;
-  BundleOptions solver;
-  solver.iterations = options.iterations;
-  solver.cost_tolerance = options.cost_tolerance;
-  solver.stop = stop;
-  MeasurementNoiseOptions all = noise;
-  all.max_depth_baselines = kAnyDepth;
-  const auto estimate = EstimateVergence(BuildWindowBundle(atlas, window, all).problem, solver);
-  if (!estimate) return std::nullopt;
-  const double change = std::abs(estimate->vergence);
-  const bool worth_it =
-      change * data.camera.focal_x >= options.min_shift && change >= options.min_sigmas * estimate->sigma;
-  const double vergence = data.vergence + estimate->vergence;
-  if (!worth_it || std::abs(vergence) > kMaxVergence) return std::nullopt;
-  return vergence;
+  const auto around = [&](KeyframeId id, std::span<const KeyframeId> others) {
+    return SessionAround(atlas, id, options.window_keyframes, others);
+  };
+  const std::vector<KeyframeId> window = around(newest, {});
+  if (window.size() < options.first_keyframes) return std::nullopt;
+  std::optional<double> error = ErrorSeenBy(atlas, window, options, noise, stop);
+  if (!error) return std::nullopt;
+  const auto middle = MiddleOfTheRest(atlas, newest, window);
+  const std::vector<KeyframeId> witness = middle ? around(*middle, window) : std::vector<KeyframeId>();
+  if (witness.size() >= options.first_keyframes) {
+    const auto other = ErrorSeenBy(atlas, witness, options, noise, stop);
+    if (!other || std::signbit(*other) != std::signbit(*error)) return std::nullopt;
+    if (std::abs(*other) < std::abs(*error)) error = other;
+  } else if (std::abs(*error) * data.camera.focal_x < options.min_lone_shift) {
+    return std::nullopt;
+  }
+  const double vergence = data.vergence + *error;
+  return std::abs(vergence) > kMaxVergence ? std::nullopt : std::optional(vergence);
 }
 
 }  // namespace pangaea

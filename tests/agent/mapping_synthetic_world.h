@@ -42,6 +42,8 @@ class SyntheticWorld {
   KeyframeCandidate NextKeyframe(const Rigid3d& camera_from_world, const Atlas& atlas);
   // Gives all corners another look, but for this share of them.
   void Repaint(double kept);
+  // From now on the right camera is turned so far (radians) from where its calibration says.
+  void TurnRightCamera(double vergence) { options_.vergence = vergence; }
   // The following keyframe begins this map and has no reference.
   void BeginMap(MapId map);
 

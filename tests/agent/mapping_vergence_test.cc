@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
+#include "agent/mapping/vergence_check.h"
 #include "common/map/consistency.h"
 #include "tests/agent/mapping_walk.h"
 
@@ -19,8 +21,8 @@ using testing::Walk;
 constexpr double kTurned = 0.003;  // radians: more than a pixel in the synthetic rig
 
 // A metre and a half along the room and back towards a wall, which is near then: disparities of all sizes.
-void WalkAlong(Walk& walk, int keyframes) {
-  for (int k = 0; k < keyframes; ++k)
+void WalkAlong(Walk& walk, int keyframes, int first = 0) {
+  for (int k = first; k < first + keyframes; ++k)
     walk.Visit(LookAlong({-3.0 + 0.12 * k, 0.3 * std::sin(0.4 * k), 0.0}, 0.3 * std::sin(0.3 * k)));
 }
 
@@ -61,6 +63,43 @@ TEST(MapperVergence, AnExactCalibrationStays) {
     WalkAlong(walk, 24);
     EXPECT_GT(walk.stages.begun["mapping.vergence"], 0);
     EXPECT_THAT(VergencesIn(walk.mapper.TakeEdits()), IsEmpty()) << "seed " << seed;
+  }
+}
+
+// What a walk says of whose mapper does not look itself: so many keyframes of a rig turned by `first`, then by `then`.
+std::optional<double> FoundAfter(SyntheticWorldOptions options, int keyframes, double first, int more, double then) {
+  options.vergence = first;
+  Walk walk(options, Unchecked());
+  WalkAlong(walk, keyframes);
+  walk.world.TurnRightCamera(then);
+  WalkAlong(walk, more, keyframes);
+  const KeyframeId newest{kSession, static_cast<std::uint32_t>(keyframes + more)};
+  return FindBetterVergence(walk.mapper.atlas(), newest, {}, ExactRig().noise, {});
+}
+
+TEST(MapperVergence, WhatTheNewestKeyframesAloneSayIsNotBelieved) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    EXPECT_EQ(FoundAfter({.seed = seed}, 18, 0.0, 24, kTurned), std::nullopt) << "seed " << seed;
+    EXPECT_EQ(FoundAfter({.seed = seed}, 18, -kTurned, 24, kTurned), std::nullopt) << "seed " << seed;
+    const auto found = FoundAfter({.seed = seed}, 18, kTurned, 24, kTurned);
+    ASSERT_TRUE(found) << "seed " << seed;
+    EXPECT_NEAR(*found, kTurned, 0.1 * kTurned) << "seed " << seed;
+    // Of the two the smaller.
+    const auto between = FoundAfter({.seed = seed}, 18, 0.5 * kTurned, 24, kTurned);
+    ASSERT_TRUE(between) << "seed " << seed;
+    EXPECT_GT(*between, 0.2 * kTurned) << "seed " << seed;
+    EXPECT_LT(*between, 0.6 * kTurned) << "seed " << seed;
+  }
+}
+
+TEST(MapperVergence, ASmallErrorWaitsUntilKeyframesElsewhereSayTheSame) {
+  constexpr double kSlight = 0.0005;  // radians: 0.22 pixels
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const SyntheticWorldOptions sharp{.seed = seed, .pixel_noise = 0.1};
+    EXPECT_EQ(FoundAfter(sharp, 12, kSlight, 8, kSlight), std::nullopt) << "seed " << seed;
+    const auto found = FoundAfter(sharp, 26, kSlight, 26, kSlight);
+    ASSERT_TRUE(found) << "seed " << seed;
+    EXPECT_NEAR(*found, kSlight, 0.2 * kSlight) << "seed " << seed;
   }
 }
 
