@@ -26,6 +26,11 @@ void FrameLoop::Run(FrameSource& source) {
     // does in real time.
     if (new_map || (keyframe && options_.rate.waits_for_agent())) thread->WaitUntilIdle();
   }
+  auto closing = tracker_.TakeClosingKeyframe();
+  if (!closing) return;
+  MappingInput input;
+  input.keyframe = std::make_shared<const RawKeyframe>(std::move(*closing));
+  thread ? thread->Push(std::move(input)) : worker_.Process(std::move(input));
 }
 
 // False for a double. The picture of a stuck camera becomes a dark one.

@@ -22,6 +22,9 @@ struct KeyframeDecisionOptions {
   // A keyframe whose view is as near as this share of the two limits shows the same already: the image is poorer here,
   // and was so then. Without this a camera that goes to and fro in a known place would go on making keyframes.
   double known_view = 0.5;
+  // A keyframe of another session is taken for so many times as far: it shows the place, but the session's frames share
+  // what becomes of its own keyframes alone (docs/decisions/0029-frames-between-keyframes.md).
+  double others_view = 2.0;
   // Frames between keyframes, unless tracking gets thin: neighbouring frames say nearly the same.
   int min_gap = 2;
   // With fewer landmarks tracked a keyframe is urgent: it may follow at once, even while mapping is busy.

@@ -71,6 +71,7 @@ TrackingResult Tracker::Track(std::int64_t stamp_ns, const cv::Mat& left, const 
     StageScope snapshot_scope(stages, "tracking.snapshot");
     AdoptSnapshot(atlas);
   }
+  closing_.reset();
   if (!map_.valid()) {
     StartMap(stamp_ns, left, right, result, stages);
   } else if (!awaits_first_keyframe(*atlas_)) {
@@ -197,7 +198,13 @@ void Tracker::ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const
   const bool due = decision_.IsDue(evidence, NearestView(camera_from_map, evidence.median_depth), MappingIsBusy());
   // In a map of others the session needs a keyframe of its own for its frames.
   const bool wanted = lacks_templates_ || result.reference.session != session_;
-  if (due || (wanted && !MappingIsBusy())) KeepFrame(stamp_ns, left, right, located, result, stages);
+  if (due || (wanted && !MappingIsBusy())) {
+    KeepFrame(stamp_ns, left, right, located, result, stages);
+  } else {
+    closing_.emplace();
+    TakeTracked(located, local_map_, *closing_);
+    Complete(stamp_ns, left, right, result, *closing_);
+  }
   if (previous_->reference != reference_) RebuildLocalMap(previous_->reference);
 }
 
@@ -207,16 +214,8 @@ void Tracker::KeepFrame(std::int64_t stamp_ns, const cv::Mat& left, const RightI
   RawKeyframe keyframe;
   TakeTracked(located, local_map_, keyframe);
   EnterLargerMap(stamp_ns, left, keyframe, result, stages);
-  keyframe.id = KeyframeId{session_, ++keyframes_made_};
-  keyframe.map = map_;
-  keyframe.stamp_ns = stamp_ns;
-  keyframe.left = left;
-  keyframe.right = right;
-  keyframe.reference = result.reference;
-  keyframe.camera_from_reference = result.pose.reference_from_frame.Inverse();
-  keyframe.reference_scale = result.reference_scale;
-  keyframe.arrival = {keyframe.reference, keyframe.camera_from_reference, keyframe.reference_scale.value,
-                      std::exchange(newest_keyframe_ns_, stamp_ns)};
+  Complete(stamp_ns, left, right, result, keyframe);
+  Number(keyframe);
   recent_keyframes_.Add(keyframe.id, current_image_, keyframe.reference, keyframe.camera_from_reference,
                         keyframe.reference_scale);
   // The keyframe is this frame: bundle adjustment moves both.
@@ -228,11 +227,36 @@ void Tracker::KeepFrame(std::int64_t stamp_ns, const cv::Mat& left, const RightI
   lacks_templates_ = false;
 }
 
+// All but the number, and what the frame shows.
+void Tracker::Complete(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
+                       const TrackingResult& result, RawKeyframe& keyframe) const {
+  keyframe.map = map_;
+  keyframe.stamp_ns = stamp_ns;
+  keyframe.left = left;
+  keyframe.right = right;
+  keyframe.reference = result.reference;
+  keyframe.camera_from_reference = result.pose.reference_from_frame.Inverse();
+  keyframe.reference_scale = result.reference_scale;
+}
+
+void Tracker::Number(RawKeyframe& keyframe) {
+  keyframe.id = KeyframeId{session_, ++keyframes_made_};
+  keyframe.arrival = {keyframe.reference, keyframe.camera_from_reference, keyframe.reference_scale.value,
+                      std::exchange(newest_keyframe_ns_, keyframe.stamp_ns)};
+}
+
+std::optional<RawKeyframe> Tracker::TakeClosingKeyframe() {
+  std::optional<RawKeyframe> closing = std::exchange(closing_, std::nullopt);
+  if (closing) Number(*closing);
+  return closing;
+}
+
 double Tracker::NearestView(const Rigid3d& camera_from_map, double median_depth) const {
   double nearest = std::numeric_limits<double>::infinity();
   for (const KeyframeId id : local_map_.keyframes) {
     const Rigid3d& keyframe_from_map = atlas_->FindKeyframe(id)->camera_from_map;
-    nearest = std::min(nearest, ViewDistance(camera_from_map, keyframe_from_map, median_depth, options_.keyframes));
+    const double distance = ViewDistance(camera_from_map, keyframe_from_map, median_depth, options_.keyframes);
+    nearest = std::min(nearest, id.session == session_ ? distance : options_.keyframes.others_view * distance);
   }
   for (const Rigid3d& recent_from_map : recent_keyframes_.PosesUnderWay(*atlas_)) {
     nearest = std::min(nearest, ViewDistance(camera_from_map, recent_from_map, median_depth, options_.keyframes));

@@ -27,14 +27,11 @@ Rigid3d HolderFromFrame(const FramePose& frame, const std::vector<FrameCorrectio
   return next != corrections.end() && next->Corrects(frame) ? next->HolderFromFrame(frame) : frame.reference_from_frame;
 }
 
-// The poses that one keyframe holds of a session: its own, if it is the session's, and its frames'.
-void AppendPoses(const Keyframe& keyframe, SessionId session, const Corrections& corrections,
-                 std::vector<TrajectoryPose>& trajectory) {
-  const Rigid3d map_from_reference = keyframe.camera_from_map.Inverse();
-  if (keyframe.id.session == session) {
-    trajectory.push_back({keyframe.data->stamp_ns, keyframe.map, map_from_reference});
-  }
+// The poses that one keyframe holds of a session's frames.
+void AppendFrames(const Keyframe& keyframe, SessionId session, const Corrections& corrections,
+                  std::vector<TrajectoryPose>& trajectory) {
   if (!keyframe.frames) return;
+  const Rigid3d map_from_reference = keyframe.camera_from_map.Inverse();
   const auto found = corrections.find(keyframe.id);
   static const std::vector<FrameCorrection> kNone;
   const std::vector<FrameCorrection>& of_holder = found == corrections.end() ? kNone : found->second;
@@ -49,9 +46,15 @@ void AppendPoses(const Keyframe& keyframe, SessionId session, const Corrections&
 std::vector<TrajectoryPose> SessionTrajectory(const Atlas& atlas, SessionId session, std::optional<MapId> map) {
   std::vector<TrajectoryPose> trajectory;
   const Corrections corrections = CorrectionsOf(atlas, session);
+  const auto counts = [&](const Keyframe& keyframe) { return !map || keyframe.map == *map; };
+  // Keyframes come first: of one that was made of a frame later, the frame is known, too, but less well.
+  atlas.ForEachKeyframe(session, [&](const Keyframe& keyframe) {
+    if (!counts(keyframe)) return;
+    trajectory.push_back({keyframe.data->stamp_ns, keyframe.map, keyframe.camera_from_map.Inverse()});
+  });
   // Keyframes of the others as well: culling may have handed them frames of this session.
   atlas.ForEachKeyframe([&](const Keyframe& keyframe) {
-    if (!map || keyframe.map == *map) AppendPoses(keyframe, session, corrections, trajectory);
+    if (counts(keyframe)) AppendFrames(keyframe, session, corrections, trajectory);
   });
   const auto by_stamp = [](const TrajectoryPose& a, const TrajectoryPose& b) { return a.stamp_ns < b.stamp_ns; };
   const auto same_stamp = [](const TrajectoryPose& a, const TrajectoryPose& b) { return a.stamp_ns == b.stamp_ns; };

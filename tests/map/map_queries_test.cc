@@ -114,5 +114,14 @@ TEST(Trajectory, FramesAndKeyframesComeInTheirOrderAndMoveWithTheMap) {
   EXPECT_TRUE(SessionTrajectory(world.atlas, kBert).empty());
 }
 
+TEST(Trajectory, WhatIsAFrameAndAKeyframeIsWhereTheKeyframeIs) {
+  SmallWorld world = RowOfThree();
+  world.Do(AddFramePoses{{{K(1), {3000, MakePose(0.1, 0.0, 0.1, 0.2)}}}});  // of which keyframe 3 was made later
+  const auto trajectory = SessionTrajectory(world.atlas, kAnna);
+  ASSERT_EQ(trajectory.size(), 3u);
+  EXPECT_EQ(trajectory.back().map_from_camera.translation(),
+            world.atlas.FindKeyframe(K(3))->camera_from_map.Inverse().translation());
+}
+
 }  // namespace
 }  // namespace pangaea

@@ -126,6 +126,23 @@ TEST(CorrectedFlight, OverAMapOfAnotherSessionFewNewLandmarksAreMade) {
   EXPECT_LT(made_guided, 0.6 * made_alone) << made_guided << " of " << made_alone;
 }
 
+TEST(CorrectedFlight, KeyframesOfOthersReplaceOnesOwnOnlyWhereTheyAreTwiceAsNear) {
+  RenderedFlight mapped(OneWall(), {}, kOther, 5);
+  mapped.FlyAlong(0.0, 4.0, kStep);
+  const auto keyframes_made = [&](double others_view) {
+    TrackingOptions options;
+    options.keyframes.others_view = others_view;
+    RenderedFlight guided(OneWall(), options, kOwn);
+    guided.FlyAlong(0.0, 0.3, kStep);
+    MapPiece guests = Whole(mapped.atlas(), {kOther, 1}, Rigid3d(), true);
+    guests.merged = {{kOwn, 1}};
+    guided.Absorb({kOwn, 1, 1, 0, {guests}});
+    const auto results = guided.FlyAlong(0.3, 3.5, kStep);
+    return std::ranges::count_if(results, [](const TrackingResult& result) { return result.keyframe.has_value(); });
+  };
+  EXPECT_GT(keyframes_made(TrackingOptions().keyframes.others_view), keyframes_made(1.0));
+}
+
 TEST(CorrectedFlight, ALostCameraGoesOnInAMapOfAnotherSessionThatTheServerSends) {
   RenderedFlight mapped(OneWall(), {}, kOther, 5);
   mapped.FlyAlong(0.0, 4.0, kStep);
@@ -215,6 +232,51 @@ TEST_F(FoundFlight, FramesAreTheSessionsOwnAlsoWhileItsFirstKeyframeThereIsOnIts
   EXPECT_EQ(trajectories.at({kOther, 1}).size(), results.size());
   EXPECT_LT(flight.PositionError(), 0.02);
   EXPECT_THAT(CheckConsistency(flight.atlas()), IsEmpty());
+}
+
+TEST(CorrectedFlight, TheLastFrameBecomesAKeyframeSoThatThoseBeforeItShareWhatBecomesOfIt) {
+  RenderedFlight flight(OneWall(), {});
+  const auto results = flight.FlyAlong(0.0, 3.0, kStep);
+  ASSERT_FALSE(results.back().keyframe);
+  const std::int64_t last_ns = results.back().pose.stamp_ns;
+  const auto landed = flight.Land();
+  ASSERT_TRUE(landed);
+  EXPECT_FALSE(flight.Land()) << "it is a keyframe now";
+  const Keyframe& keyframe = *flight.atlas().FindKeyframe(*landed);
+  EXPECT_EQ(keyframe.data->stamp_ns, last_ns);
+  const auto before = flight.Trajectories().begin()->second;
+  EXPECT_EQ(before.size(), results.size()) << "the frame is no second one";
+  EXPECT_EQ(before.back().world_from_body.translation(), keyframe.camera_from_map.Inverse().translation());
+
+  // The server moves the keyframe alone, by a decimetre.
+  const Rigid3d shift(Eigen::Quaterniond::Identity(), {0.1, 0.0, 0.0});
+  PieceSelection selection;
+  selection.map = keyframe.map;
+  selection.keyframes = {*landed};
+  selection.held = {*landed};
+  MapPiece piece = CutPiece(flight.atlas(), selection);
+  piece.keyframes.front().camera_from_map = shift * piece.keyframes.front().camera_from_map;
+  piece.keyframes.front().corrected_at = 1;
+  flight.Absorb({kOwn, 1, 1, 0, {piece}});
+  const auto after = flight.Trajectories().begin()->second;
+  const auto moved = [&](std::size_t i) {
+    return (after[i].world_from_body.translation() - before[i].world_from_body.translation()).norm();
+  };
+  EXPECT_NEAR(moved(after.size() - 1), 0.1, 1e-9);
+  EXPECT_GT(moved(after.size() - 2), 0.05);
+  EXPECT_LT(moved(after.size() - 2), 0.1);
+  EXPECT_EQ(moved(0), 0.0);
+}
+
+TEST(CorrectedFlight, WithoutATrackedFrameAtItsEndAFlightGetsNoLastKeyframe) {
+  RenderedFlight flight(OneWall(), {});
+  EXPECT_FALSE(flight.Land());
+  const TrackingResult first = flight.Fly(testing::LookingAtTheWalls(0.0));
+  ASSERT_TRUE(first.root);
+  EXPECT_FALSE(flight.Land()) << "the first frame is a keyframe already";
+  flight.FlyAlong(0.06, 0.3, kStep);
+  flight.FlyInTheDark();
+  EXPECT_FALSE(flight.Land());
 }
 
 }  // namespace

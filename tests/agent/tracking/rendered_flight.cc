@@ -101,6 +101,14 @@ TrackingResult RenderedFlight::Track(const cv::Mat& left, const RightImage& righ
   return result;
 }
 
+std::optional<KeyframeId> RenderedFlight::Land() {
+  const auto closing = tracker_.TakeClosingKeyframe();
+  if (!closing) return std::nullopt;
+  NoStageRecorder stages;
+  mapper_.Insert(builder_.Build(*closing, stages), stages);
+  return closing->id;
+}
+
 void RenderedFlight::Absorb(const AgentCorrection& correction) {
   mapper_.Absorb(correction, Atlas(mapper_.atlas()));
   snapshot_ = std::make_shared<const Atlas>(mapper_.atlas());

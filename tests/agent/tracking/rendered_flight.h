@@ -35,6 +35,9 @@ class RenderedFlight {
   // Frames from `from` to `to` (x, metres) with `step` metres between them; their results.
   std::vector<TrackingResult> FlyAlong(double from, double to, double step);
 
+  // Ends it: the last frame becomes a keyframe, where it was tracked and is none. Returns which.
+  std::optional<KeyframeId> Land();
+
   // Tracking sees what mapping does so many frames late, as where mapping has a thread of its own.
   void LetMappingLag(int frames) { lag_ = frames; }
   void Suggest(const PlaceHint& hint) { tracker_.Suggest(hint); }
