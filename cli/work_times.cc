@@ -12,7 +12,7 @@ namespace pangaea {
 namespace {
 
 // One after the other, as a keyframe goes through them; kinds of later builds follow.
-constexpr const char* kOrder[] = {"recognition", "comparison", "merge", "loop", "pose_graph", "global_bundle"};
+constexpr const char* kOrder[] = {"recognition", "comparison", "seam", "merge", "loop", "pose_graph", "global_bundle"};
 
 struct Durations {
   std::vector<double> wall_ms;  // ascending, like the rest

@@ -15,6 +15,7 @@ Status FusionOptions::Check() const {
       .In("second_radius", second_radius, 0.5, 100)
       .In("iterations", iterations, 1, 1000)
       .In("iterations_without_outliers", iterations_without_outliers, 0, 1000)
+      .In("cost_tolerance", cost_tolerance, 0, 1)
       .In("judgement.min_common_landmarks", judgement.min_common_landmarks, 3, 100000)
       .In("judgement.min_inlier_share", judgement.min_inlier_share, 0, 1)
       .In("judgement.max_cost_growth", judgement.max_cost_growth, 1, 100)

@@ -58,6 +58,8 @@ struct FusionOptions {
   LandmarkSearchOptions search;         // its radii and gate are replaced by those
   int iterations = 6;                   // steps of the bundle adjustment with all observations
   int iterations_without_outliers = 4;  // then so many without the outliers these showed, with a narrower kernel
+  // Each ends earlier when a step lowers the cost by less than this, relatively: the whole map is adjusted soon.
+  double cost_tolerance = 1e-3;
   SeamJudgementOptions judgement;
   DriftOptions drift;
 

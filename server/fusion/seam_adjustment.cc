@@ -47,6 +47,7 @@ std::optional<SeamAdjustment> AdjustSeam(const Atlas& atlas, const WeldingWindow
   BundleOptions solver;
   solver.iterations = options.iterations;
   solver.iterations_without_outliers = options.iterations_without_outliers;
+  solver.cost_tolerance = options.cost_tolerance;
   solver.stop = std::move(stop);
   auto result = SolveBundle(adjustment.bundle.problem, solver);
   PANGAEA_CHECK(result.has_value());

@@ -17,7 +17,7 @@ struct GlobalBundleOptions {
   MeasurementNoiseOptions noise = {};
   int iterations = 10;                   // steps with all observations
   int iterations_without_outliers = 10;  // then so many without the outliers these showed, with a narrower kernel
-  double cost_tolerance = 1e-4;          // a phase ends when a step lowers the cost by less than this, relatively
+  double cost_tolerance = 1e-3;          // a phase ends when a step lowers the cost by less than this, relatively
   // What contradicts the adjusted map is judged by the noise that the map itself shows, which is mostly less than
   // noise.pixel_sigma: by that, what is off by a pixel or two, as a neighbouring corner taken for the same one is,
   // would stay and bend the map (docs/decisions/0025-noise-of-a-map.md). Not below this, in pixel_sigma: corners are

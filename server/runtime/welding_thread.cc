@@ -89,6 +89,7 @@ void WeldingThread::Weld(const PlaceMatch& match, const Atlas& snapshot, const s
     if (reason == WeldingRefusalReason::kCancelled || reason == WeldingRefusalReason::kGone) return;
     return Refused(match, IsMerge(match, snapshot), Describe(plan.error()));
   }
+  ledger_.Keep("seam", watch);
   if (plan->is_merge()) {
     WeldMerge(match, *plan, watch, stop);
   } else {
