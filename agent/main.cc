@@ -14,6 +14,7 @@
 
 #include "agent/runtime/agent_output.h"
 #include "agent/runtime/agent_run.h"
+#include "common/base/blas_threads.h"
 #include "common/base/process_memory.h"
 #include "common/base/stop_signals.h"
 #include "common/base/version.h"
@@ -183,6 +184,7 @@ int Run(CommandLine& line) {
 
 int main(int argc, char** argv) {
   pangaea::ShareHeaps();
+  pangaea::UseOneBlasThread();
   CLI::App app("Tracks a camera, maps locally and streams keyframes to the server that keeps the atlas.",
                "pangaea-agent");
   pangaea::CommandLine line;

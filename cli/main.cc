@@ -9,9 +9,11 @@
 #include "cli/status.h"
 #include "cli/undo.h"
 #include "cli/vocabulary.h"
+#include "common/base/blas_threads.h"
 
 int main(int argc, char** argv) {
   using namespace pangaea;
+  UseOneBlasThread();
   return RunCommandLine(
       {StatusCommand(), EvaluateCommand(), PlotCommand(), ExportCommand(), SimulateCommand(), DigestCommand(),
        UndoCommand(), VocabularyCommand(), LcmPublishCommand(), ImportKeyframesCommand()},

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "common/base/blas_threads.h"
 #include "common/base/mutex.h"
 #include "common/base/process_memory.h"
 #include "common/base/stop_signals.h"
@@ -120,5 +121,6 @@ int Main(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   pangaea::ShareHeaps();
+  pangaea::UseOneBlasThread();
   return pangaea::Main(argc, argv);
 }
