@@ -85,10 +85,10 @@ struct VergenceOptions {
   // to 0.05, from matching. 100: never.
   double min_shift = 0.1;
   double min_sigmas = 3.0;  // … and standard deviations
-  // ... where keyframes elsewhere say the same: around the newest the camera may have stood still, or seen edges that
-  // mislead. While there are none, of so many pixels.
+  // … where as many keyframes elsewhere say the same: around the newest the camera may have stood still, or seen edges
+  // that mislead. While there are less than first_keyframes elsewhere, of so many pixels.
   double min_lone_shift = 0.3;
-  int iterations = 15;      // of each adjustment; most end earlier
+  int iterations = 15;  // of each adjustment; most end earlier
   double cost_tolerance = 1e-5;
 };
 

@@ -18,28 +18,37 @@ namespace {
 // Far points, whose depth is mostly the calibration's error, tell the most about that.
 constexpr double kAnyDepth = 1e9;  // baselines
 
-// The keyframe's session's keyframes around it, at most so many, without those of `others`.
+bool Contains(std::span<const KeyframeId> keyframes, KeyframeId id) {
+  return std::ranges::find(keyframes, id) != keyframes.end();
+}
+
+// The keyframe's session's keyframes around it, at most so many, without those of `others` and those forgotten.
 std::vector<KeyframeId> SessionAround(const Atlas& atlas, KeyframeId id, std::size_t keyframes,
                                       std::span<const KeyframeId> others) {
-  std::vector<KeyframeId> around = GrowWindow(atlas, id, keyframes + others.size());
+  std::vector<KeyframeId> around = GrowWindow(atlas, id, atlas.keyframe_count());
   std::erase_if(around, [&](KeyframeId other) {
-    return other.session != id.session || IsForgotten(*atlas.FindKeyframe(other)) ||
-           std::ranges::find(others, other) != others.end();
+    return other.session != id.session || IsForgotten(*atlas.FindKeyframe(other)) || Contains(others, other);
   });
   around.resize(std::min(around.size(), keyframes));
   return around;
 }
 
-// In the middle of what the session has flown in this map apart from these keyframes; none where that is nothing.
-std::optional<KeyframeId> MiddleOfTheRest(const Atlas& atlas, KeyframeId newest, std::span<const KeyframeId> apart) {
+// What the session has flown in this map apart from these keyframes, in order of time; forgotten ones among them.
+std::vector<KeyframeId> Elsewhere(const Atlas& atlas, KeyframeId newest, std::span<const KeyframeId> apart) {
   const MapId map = atlas.FindKeyframe(newest)->map;
-  std::vector<KeyframeId> rest;
+  std::vector<KeyframeId> elsewhere;
   atlas.ForEachKeyframe(newest.session, [&](const Keyframe& keyframe) {
-    const bool counts = keyframe.map == map && !IsForgotten(keyframe);
-    if (counts && std::ranges::find(apart, keyframe.id) == apart.end()) rest.push_back(keyframe.id);
+    if (keyframe.map == map && !Contains(apart, keyframe.id)) elsewhere.push_back(keyframe.id);
   });
-  if (rest.empty()) return std::nullopt;
-  return rest[rest.size() / 2];
+  return elsewhere;
+}
+
+// So many around the middle of these, as far as they are not forgotten.
+std::vector<KeyframeId> WitnessAmong(const Atlas& atlas, std::vector<KeyframeId> elsewhere, std::size_t keyframes,
+                                     std::span<const KeyframeId> apart) {
+  std::erase_if(elsewhere, [&](KeyframeId id) { return IsForgotten(*atlas.FindKeyframe(id)); });
+  if (elsewhere.empty()) return {};
+  return SessionAround(atlas, elsewhere[elsewhere.size() / 2], keyframes, apart);
 }
 
 // Moved against the oldest, which alone is held: its neighbours have the scale that wrong disparities gave them.
@@ -77,21 +86,19 @@ std::optional<double> FindBetterVergence(const Atlas& atlas, KeyframeId newest, 
                                          const MeasurementNoiseOptions& noise, const std::stop_token& stop) {
   const KeyframeData& data = *atlas.FindKeyframe(newest)->data;
   if (!data.camera.is_stereo()) return std::nullopt;
-  const auto around = [&](KeyframeId id, std::span<const KeyframeId> others) {
-    return SessionAround(atlas, id, options.window_keyframes, others);
-  };
-  const std::vector<KeyframeId> window = around(newest, {});
+  const std::vector<KeyframeId> window = SessionAround(atlas, newest, options.window_keyframes, {});
   if (window.size() < options.first_keyframes) return std::nullopt;
   std::optional<double> error = ErrorSeenBy(atlas, window, options, noise, stop);
   if (!error) return std::nullopt;
-  const auto middle = MiddleOfTheRest(atlas, newest, window);
-  const std::vector<KeyframeId> witness = middle ? around(*middle, window) : std::vector<KeyframeId>();
-  if (witness.size() >= options.first_keyframes) {
+  const std::vector<KeyframeId> elsewhere = Elsewhere(atlas, newest, window);
+  if (elsewhere.size() < options.first_keyframes) {
+    if (std::abs(*error) * data.camera.focal_x < options.min_lone_shift) return std::nullopt;
+  } else {
+    const std::vector<KeyframeId> witness = WitnessAmong(atlas, elsewhere, options.window_keyframes, window);
+    if (witness.size() < options.first_keyframes) return std::nullopt;
     const auto other = ErrorSeenBy(atlas, witness, options, noise, stop);
     if (!other || std::signbit(*other) != std::signbit(*error)) return std::nullopt;
     if (std::abs(*other) < std::abs(*error)) error = other;
-  } else if (std::abs(*error) * data.camera.focal_x < options.min_lone_shift) {
-    return std::nullopt;
   }
   const double vergence = data.vergence + *error;
   return std::abs(vergence) > kMaxVergence ? std::nullopt : std::optional(vergence);

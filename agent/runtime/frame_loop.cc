@@ -30,7 +30,9 @@ void FrameLoop::Run(FrameSource& source) {
   if (!closing) return;
   MappingInput input;
   input.keyframe = std::make_shared<const RawKeyframe>(std::move(*closing));
-  thread ? thread->Push(std::move(input)) : worker_.Process(std::move(input));
+  if (thread) return thread->Push(std::move(input));
+  worker_.AllowCorrections(false);  // they had their turn at the last frame
+  worker_.Process(std::move(input));
 }
 
 // False for a double. The picture of a stuck camera becomes a dark one.

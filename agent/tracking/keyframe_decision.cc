@@ -48,7 +48,7 @@ bool KeyframeDecision::IsDue(const KeyframeEvidence& evidence, double nearest_vi
   if (!thin && !uncovered && !far) return false;
   const bool urgent = evidence.inliers < options_.urgent_inliers;
   if (nearest_view < options_.known_view && !urgent) return false;
-  return urgent || (frames_since_ >= options_.min_gap && !mapping_busy);
+  return urgent || (is_gap_over() && !mapping_busy);
 }
 
 void KeyframeDecision::Restart() {

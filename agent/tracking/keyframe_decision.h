@@ -52,9 +52,12 @@ class KeyframeDecision {
  public:
   explicit KeyframeDecision(const KeyframeDecisionOptions& options) : options_(options) {}
 
-  // To be called for every tracked frame. `nearest_view` is the smallest ViewDistance to a keyframe of the local map or
-  // to one that is on its way into it; `mapping_busy`: the latest keyframe is not in the map yet.
+  // To be called for every tracked frame. `nearest_view` is the smallest ViewDistance to a keyframe of the local map
+  // (times others_view, where it is another session's) or to one that is on its way into it; `mapping_busy`: the latest
+  // keyframe is not in the map yet.
   bool IsDue(const KeyframeEvidence& evidence, double nearest_view, bool mapping_busy);
+  // Whether the latest frame is far enough behind the newest keyframe to be one.
+  bool is_gap_over() const { return frames_since_ >= options_.min_gap; }
   // A keyframe was made from the latest frame.
   void Restart();
 

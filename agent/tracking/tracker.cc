@@ -121,6 +121,7 @@ void Tracker::TrackKnownMap(std::int64_t stamp_ns, const cv::Mat& left, const Ri
   FinishTracked(stamp_ns, *located, result);
   ConsiderKeyframe(stamp_ns, left, right, *located, result, stages);
   if (!result.keyframe) HangBelowKeyframeUnderWay(result);
+  if (closing_) PlaceAsTracked(result, *closing_);
 }
 
 bool Tracker::IsTrusted(const LocatedFrame& located, const LocalMap& local_map, int min_inliers) const {
@@ -200,10 +201,8 @@ void Tracker::ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const
   const bool wanted = lacks_templates_ || result.reference.session != session_;
   if (due || (wanted && !MappingIsBusy())) {
     KeepFrame(stamp_ns, left, right, located, result, stages);
-  } else {
-    closing_.emplace();
-    TakeTracked(located, local_map_, *closing_);
-    Complete(stamp_ns, left, right, result, *closing_);
+  } else if (decision_.is_gap_over()) {
+    closing_.emplace(RawOf(stamp_ns, left, right, located));
   }
   if (previous_->reference != reference_) RebuildLocalMap(previous_->reference);
 }
@@ -211,10 +210,9 @@ void Tracker::ConsiderKeyframe(std::int64_t stamp_ns, const cv::Mat& left, const
 void Tracker::KeepFrame(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
                         const LocatedFrame& located, TrackingResult& result, StageRecorder& stages) {
   StageScope scope(stages, "tracking.keyframe");
-  RawKeyframe keyframe;
-  TakeTracked(located, local_map_, keyframe);
+  RawKeyframe keyframe = RawOf(stamp_ns, left, right, located);
   EnterLargerMap(stamp_ns, left, keyframe, result, stages);
-  Complete(stamp_ns, left, right, result, keyframe);
+  PlaceAsTracked(result, keyframe);
   Number(keyframe);
   recent_keyframes_.Add(keyframe.id, current_image_, keyframe.reference, keyframe.camera_from_reference,
                         keyframe.reference_scale);
@@ -227,13 +225,19 @@ void Tracker::KeepFrame(std::int64_t stamp_ns, const cv::Mat& left, const RightI
   lacks_templates_ = false;
 }
 
-// All but the number, and what the frame shows.
-void Tracker::Complete(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
-                       const TrackingResult& result, RawKeyframe& keyframe) const {
-  keyframe.map = map_;
+// Without number and place.
+RawKeyframe Tracker::RawOf(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
+                           const LocatedFrame& located) const {
+  RawKeyframe keyframe;
   keyframe.stamp_ns = stamp_ns;
   keyframe.left = left;
   keyframe.right = right;
+  TakeTracked(located, local_map_, keyframe);
+  return keyframe;
+}
+
+void Tracker::PlaceAsTracked(const TrackingResult& result, RawKeyframe& keyframe) const {
+  keyframe.map = map_;
   keyframe.reference = result.reference;
   keyframe.camera_from_reference = result.pose.reference_from_frame.Inverse();
   keyframe.reference_scale = result.reference_scale;

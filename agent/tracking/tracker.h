@@ -72,9 +72,9 @@ class Tracker {
   TrackingResult Track(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
                        const std::shared_ptr<const Atlas>& atlas, StageRecorder& stages);
 
-  // The latest frame, where it was tracked and is no keyframe, as one: at the end of a flight the frames since the newest
-  // keyframe have no other to share what becomes of it (docs/decisions/0029-frames-between-keyframes.md). Nothing a
-  // second time.
+  // After the last frame: this one as a keyframe, where it was tracked and neither it nor the one before is one. The
+  // frames since the newest keyframe have no other to share what becomes of it
+  // (docs/decisions/0029-frames-between-keyframes.md).
   std::optional<RawKeyframe> TakeClosingKeyframe();
 
   // While lost: where somebody who knows more than this agent's maps found one of the frames since. Of use as soon as
@@ -113,8 +113,9 @@ class Tracker {
                         const LocatedFrame& located, TrackingResult& result, StageRecorder& stages);
   void KeepFrame(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, const LocatedFrame& located,
                  TrackingResult& result, StageRecorder& stages);
-  void Complete(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, const TrackingResult& result,
-                RawKeyframe& keyframe) const;
+  RawKeyframe RawOf(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right,
+                    const LocatedFrame& located) const;
+  void PlaceAsTracked(const TrackingResult& result, RawKeyframe& keyframe) const;
   void Number(RawKeyframe& keyframe);
   double NearestView(const Rigid3d& camera_from_map, double median_depth) const;
   bool StartMap(std::int64_t stamp_ns, const cv::Mat& left, const RightImage& right, TrackingResult& result,
@@ -146,9 +147,9 @@ class Tracker {
   std::shared_ptr<const KeyframeData> unrecognised_;  // of the present frame
   std::optional<PlaceHint> hint_;                     // while lost
   int frames_lost_ = 0;
-  int frames_searched_ = 0;       // of the lost ones, those that showed something
-  bool lacks_templates_ = false;  // of what is in view: a keyframe here would give them
-  std::optional<RawKeyframe> closing_;  // the latest frame, without a number
+  int frames_searched_ = 0;             // of the lost ones, those that showed something
+  bool lacks_templates_ = false;        // of what is in view: a keyframe here would give them
+  std::optional<RawKeyframe> closing_;  // of the latest frame, without a number
   std::uint32_t keyframes_made_ = 0;
   std::int64_t newest_keyframe_ns_ = 0;  // stamp
   std::uint32_t maps_made_ = 0;

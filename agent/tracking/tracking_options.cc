@@ -37,6 +37,7 @@ Status TrackingOptions::Check() const {
            InRange("keyframes.min_inlier_ratio", keyframes.min_inlier_ratio, 0.1, 1.0),
            InRange("keyframes.max_relative_distance", keyframes.max_relative_distance, 0.01, 10.0),
            InRange("keyframes.max_turn", keyframes.max_turn, 1.0, 180.0),
+           InRange("keyframes.others_view", keyframes.others_view, 1.0, 1000.0),
            InRange("start_depth_baselines", start_depth_baselines, 1.0, 10000.0),
            observability.Check(),
            monocular_start.Check(),

@@ -18,6 +18,7 @@ std::optional<FrameCorrection> FrameCorrection::Of(const Keyframe& arrived, cons
   correction.holder_ = holder.id;
   correction.since_ns_ = arrival.since_ns;
   correction.until_ns_ = arrived.data->stamp_ns;
+  correction.holds_itself_ = holder.id == arrived.id;
   correction.correction_ = (now_from_holder * tracked_from_holder.Inverse()).Log();
   return correction;
 }

@@ -11,7 +11,8 @@ namespace pangaea {
 // How the frames between two keyframes share what adjustments have made of the second one since it was tracked. They
 // were tracked against the first one, in a map that was not adjusted yet, and drifted from it as the second one did:
 // each takes the part of the correction that its time is of the way,
-//   frame_from_reference' = Exp(s Log(arrival_now * arrival_tracked^-1)) frame_from_reference, s in (0, 1).
+//   frame_from_reference' = Exp(s Log(arrival_now * arrival_tracked^-1)) frame_from_reference, s in (0, 1],
+// 1 for the frame that the keyframe was made of, where the map has that as well.
 // A value for one keyframe and one state of the atlas.
 class FrameCorrection {
  public:
@@ -21,10 +22,11 @@ class FrameCorrection {
   // The keyframe that holds the frames that it corrects: its reference, or what that was culled into, which may be the
   // arrived one itself.
   KeyframeId holder() const { return holder_; }
-  // When it arrived; it corrects what was tracked before.
+  // When it arrived; it corrects what was tracked by then.
   std::int64_t until_ns() const { return until_ns_; }
   bool Corrects(const FramePose& frame) const {
-    return frame.session == session_ && frame.stamp_ns > since_ns_ && frame.stamp_ns < until_ns_;
+    if (frame.session != session_ || frame.stamp_ns <= since_ns_) return false;
+    return frame.stamp_ns < until_ns_ || (frame.stamp_ns == until_ns_ && !holds_itself_);
   }
   // The frame's pose relative to its holder, for one that it corrects.
   Rigid3d HolderFromFrame(const FramePose& frame) const;
@@ -36,6 +38,7 @@ class FrameCorrection {
   KeyframeId holder_;
   std::int64_t since_ns_ = 0;
   std::int64_t until_ns_ = 0;
+  bool holds_itself_ = false;               // the arrived one is the holder; its own frame is where it is
   Vector6d correction_ = Vector6d::Zero();  // of the arrival, in its camera frame
 };
 

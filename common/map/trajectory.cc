@@ -23,7 +23,7 @@ Corrections CorrectionsOf(const Atlas& atlas, SessionId session) {
 }
 
 Rigid3d HolderFromFrame(const FramePose& frame, const std::vector<FrameCorrection>& corrections) {
-  const auto next = std::ranges::upper_bound(corrections, frame.stamp_ns, {}, &FrameCorrection::until_ns);
+  const auto next = std::ranges::lower_bound(corrections, frame.stamp_ns, {}, &FrameCorrection::until_ns);
   return next != corrections.end() && next->Corrects(frame) ? next->HolderFromFrame(frame) : frame.reference_from_frame;
 }
 

@@ -41,7 +41,7 @@ struct JournaledRejection {
 
 // How long the server worked on something of its own.
 struct WorkTime {
-  std::string kind;      // "recognition", "seam", "merge", "loop", "pose_graph", "global_bundle"
+  std::string kind;      // "recognition", "comparison", "seam", "merge", "loop", "pose_graph", "global_bundle"
   double wall_ms = 0.0;  // milliseconds
   double cpu_ms = 0.0;   // milliseconds, of the thread that did it
   std::int64_t unix_ns = 0;

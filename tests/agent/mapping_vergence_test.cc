@@ -67,25 +67,29 @@ TEST(MapperVergence, AnExactCalibrationStays) {
 }
 
 // What a walk says of whose mapper does not look itself: so many keyframes of a rig turned by `first`, then by `then`.
-std::optional<double> FoundAfter(SyntheticWorldOptions options, int keyframes, double first, int more, double then) {
-  options.vergence = first;
-  Walk walk(options, Unchecked());
+std::optional<double> FoundAfter(SyntheticWorldOptions world, int keyframes, double first, int more, double then,
+                                 const VergenceOptions& options = {}) {
+  world.vergence = first;
+  Walk walk(world, Unchecked());
   WalkAlong(walk, keyframes);
   walk.world.TurnRightCamera(then);
   WalkAlong(walk, more, keyframes);
   const KeyframeId newest{kSession, static_cast<std::uint32_t>(keyframes + more)};
-  return FindBetterVergence(walk.mapper.atlas(), newest, {}, ExactRig().noise, {});
+  return FindBetterVergence(walk.mapper.atlas(), newest, options, ExactRig().noise, {});
 }
 
 TEST(MapperVergence, WhatTheNewestKeyframesAloneSayIsNotBelieved) {
+  VergenceOptions without_witness;
+  without_witness.first_keyframes = 20;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    EXPECT_EQ(FoundAfter({.seed = seed}, 18, 0.0, 24, kTurned), std::nullopt) << "seed " << seed;
-    EXPECT_EQ(FoundAfter({.seed = seed}, 18, -kTurned, 24, kTurned), std::nullopt) << "seed " << seed;
-    const auto found = FoundAfter({.seed = seed}, 18, kTurned, 24, kTurned);
+    const SyntheticWorldOptions world{.seed = seed};
+    EXPECT_TRUE(FoundAfter(world, 18, 0.0, 24, kTurned, without_witness)) << "seed " << seed;
+    EXPECT_EQ(FoundAfter(world, 18, 0.0, 24, kTurned), std::nullopt) << "seed " << seed;
+    const auto found = FoundAfter(world, 18, kTurned, 24, kTurned);
     ASSERT_TRUE(found) << "seed " << seed;
     EXPECT_NEAR(*found, kTurned, 0.1 * kTurned) << "seed " << seed;
     // Of the two the smaller.
-    const auto between = FoundAfter({.seed = seed}, 18, 0.5 * kTurned, 24, kTurned);
+    const auto between = FoundAfter(world, 18, 0.5 * kTurned, 24, kTurned);
     ASSERT_TRUE(between) << "seed " << seed;
     EXPECT_GT(*between, 0.2 * kTurned) << "seed " << seed;
     EXPECT_LT(*between, 0.6 * kTurned) << "seed " << seed;
@@ -94,8 +98,11 @@ TEST(MapperVergence, WhatTheNewestKeyframesAloneSayIsNotBelieved) {
 
 TEST(MapperVergence, ASmallErrorWaitsUntilKeyframesElsewhereSayTheSame) {
   constexpr double kSlight = 0.0005;  // radians: 0.22 pixels
+  VergenceOptions hasty;
+  hasty.min_lone_shift = 0.0;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const SyntheticWorldOptions sharp{.seed = seed, .pixel_noise = 0.1};
+    EXPECT_TRUE(FoundAfter(sharp, 12, kSlight, 8, kSlight, hasty)) << "seed " << seed;
     EXPECT_EQ(FoundAfter(sharp, 12, kSlight, 8, kSlight), std::nullopt) << "seed " << seed;
     const auto found = FoundAfter(sharp, 26, kSlight, 26, kSlight);
     ASSERT_TRUE(found) << "seed " << seed;

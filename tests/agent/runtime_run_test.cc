@@ -83,6 +83,19 @@ TEST_F(AgentRunTest, EveryFrameIsTrackedInOneMap) {
   EXPECT_FALSE(run->unconfirmed) << "nobody was to confirm anything";
 }
 
+TEST_F(AgentRunTest, TheLastFrameIsAKeyframe) {
+  for (const bool deterministic : {true, false}) {
+    AgentOptions options = Options();
+    options.deterministic = deterministic;
+    const auto run = RunAgent(options, {});
+    ASSERT_TRUE(run) << run.error().message;
+    std::int64_t newest_ns = 0;
+    run->atlas->ForEachKeyframe(
+        [&](const Keyframe& keyframe) { newest_ns = std::max(newest_ns, keyframe.data->stamp_ns); });
+    EXPECT_EQ(newest_ns, run->flight.live_trajectory.back().stamp_ns) << deterministic;
+  }
+}
+
 TEST_F(AgentRunTest, TheReportMeasuresDecodingTrackingAndLocalMapping) {
   const auto run = RunAgent(Options(), {});
   ASSERT_TRUE(run) << run.error().message;

@@ -20,13 +20,19 @@ TEST(BlasThreads, ThereIsOneUnlessTheUserAsksForMore) {
   ASSERT_NE(count, nullptr);
   ASSERT_NE(set, nullptr);
 
-  set(2);
-  ASSERT_EQ(setenv("OPENBLAS_NUM_THREADS", "2", 1), 0);
-  UseOneBlasThread();
-  EXPECT_EQ(count(), 2);
-  ASSERT_EQ(unsetenv("OPENBLAS_NUM_THREADS"), 0);
+  const int before = count();
+  for (const char* variable : {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"}) {
+    const char* const present = std::getenv(variable);
+    if (present != nullptr) GTEST_SKIP() << variable << " is " << present;
+    set(2);
+    ASSERT_EQ(setenv(variable, "2", 1), 0);
+    UseOneBlasThread();
+    EXPECT_EQ(count(), 2) << variable;
+    ASSERT_EQ(unsetenv(variable), 0);
+  }
   UseOneBlasThread();
   EXPECT_EQ(count(), 1);
+  set(before);
 }
 
 }  // namespace

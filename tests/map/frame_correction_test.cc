@@ -72,6 +72,22 @@ TEST(FrameCorrection, CullingTheNextKeyframeMovesNoFrame) {
   ExpectSame(way.Positions(), before, 1e-9);
 }
 
+TEST(FrameCorrection, AFrameThatBecameAKeyframeLaterIsWhereThatIsAlsoWhenItIsCulled) {
+  Way way;
+  way.world.Child(K(3), K(2), M(1));
+  // Tracked against keyframe 1, child of keyframe 3: when it goes, its frames go there.
+  auto data = std::make_shared<KeyframeData>(*MakeData(20, 20 * kSecond));
+  data->arrival = {K(1), way.tracked, 1.0, 10 * kSecond};
+  way.world.Do(AddKeyframe{K(4), M(1), K(3), way.tracked, data});
+  way.world.Do(AddFramePoses{{{K(1), {20 * kSecond, way.tracked.Inverse()}}}});
+  const Rigid3d adjusted = MakePose(0.01, -1.0, -0.2, 0.1);
+  way.Move(K(4), adjusted);
+  const auto before = way.Positions();
+  EXPECT_LT((before.at(20) - adjusted.Inverse().translation()).norm(), 1e-12);
+  way.world.Do(RemoveKeyframe{K(4)});
+  ExpectSame(way.Positions(), before, 1e-9);
+}
+
 TEST(FrameCorrection, CullingTheirReferenceMovesNoFrameEither) {
   Way way;
   way.Move(K(2), MakePose(0.01, -1.0, -0.2, 0.1));
@@ -108,7 +124,8 @@ TEST(FrameCorrection, WhatWasTrackedBeforeTheWayBeganOrBySomebodyElseStays) {
   ASSERT_TRUE(correction);
   EXPECT_TRUE(correction->Corrects({5 * kSecond, Rigid3d(), kAnna}));
   EXPECT_FALSE(correction->Corrects({5 * kSecond, Rigid3d(), kBert}));
-  EXPECT_FALSE(correction->Corrects({10 * kSecond, Rigid3d(), kAnna}));
+  EXPECT_TRUE(correction->Corrects({10 * kSecond, Rigid3d(), kAnna}));
+  EXPECT_FALSE(correction->Corrects({11 * kSecond, Rigid3d(), kAnna}));
   EXPECT_FALSE(FrameCorrection::Of(way.world.Get(K(1)), way.world.atlas)) << "it was not tracked";
 }
 

@@ -16,6 +16,7 @@
 
 #include "cli/evaluation.h"
 #include "cli/stored_atlas.h"
+#include "common/base/blas_threads.h"
 #include "common/map/covisibility.h"
 #include "common/map/map_edit.h"
 #include "common/map/trajectory.h"
@@ -278,6 +279,7 @@ class Replay {
 }  // namespace pangaea
 
 int main(int argc, char** argv) {
+  pangaea::UseOneBlasThread();
   std::vector<std::string> steps;
   std::vector<std::string> datasets;
   bool after = false;

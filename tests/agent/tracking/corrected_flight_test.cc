@@ -141,6 +141,14 @@ TEST(CorrectedFlight, KeyframesOfOthersReplaceOnesOwnOnlyWhereTheyAreTwiceAsNear
     return std::ranges::count_if(results, [](const TrackingResult& result) { return result.keyframe.has_value(); });
   };
   EXPECT_GT(keyframes_made(TrackingOptions().keyframes.others_view), keyframes_made(1.0));
+
+  TrackingOptions far;
+  far.keyframes.others_view = 10.0;
+  RenderedFlight alone(OneWall(), {});
+  RenderedFlight alone_too(OneWall(), far);
+  alone.FlyAlong(0.0, 3.5, kStep);
+  alone_too.FlyAlong(0.0, 3.5, kStep);
+  EXPECT_EQ(alone_too.atlas().keyframe_count(), alone.atlas().keyframe_count());
 }
 
 TEST(CorrectedFlight, ALostCameraGoesOnInAMapOfAnotherSessionThatTheServerSends) {
@@ -274,9 +282,14 @@ TEST(CorrectedFlight, WithoutATrackedFrameAtItsEndAFlightGetsNoLastKeyframe) {
   const TrackingResult first = flight.Fly(testing::LookingAtTheWalls(0.0));
   ASSERT_TRUE(first.root);
   EXPECT_FALSE(flight.Land()) << "the first frame is a keyframe already";
-  flight.FlyAlong(0.06, 0.3, kStep);
+  double x = 0.0;
+  while (!flight.Fly(testing::LookingAtTheWalls(x += kStep)).keyframe) ASSERT_LT(x, 3.0);
+  EXPECT_FALSE(flight.Land()) << "the last frame is a keyframe already";
+  flight.Fly(testing::LookingAtTheWalls(x += kStep));
+  EXPECT_FALSE(flight.Land()) << "it would be next to one";
+  flight.FlyAlong(x + kStep, x + 0.3, kStep);
   flight.FlyInTheDark();
-  EXPECT_FALSE(flight.Land());
+  EXPECT_FALSE(flight.Land()) << "nobody knows where it ended";
 }
 
 }  // namespace
