@@ -85,8 +85,8 @@ struct VergenceOptions {
   // to 0.05, from matching. 100: never.
   double min_shift = 0.1;
   double min_sigmas = 3.0;  // … and standard deviations
-  // … where as many keyframes elsewhere say the same: around the newest the camera may have stood still, or seen edges
-  // that mislead. While there are less than first_keyframes elsewhere, of so many pixels.
+  // … where keyframes elsewhere say the same: a window may mislead (docs/decisions/0024-vergence.md). While there are
+  // less than first_keyframes elsewhere, of so many pixels.
   double min_lone_shift = 0.3;
   int iterations = 15;  // of each adjustment; most end earlier
   double cost_tolerance = 1e-5;

@@ -33,7 +33,8 @@ class FrameLoop {
         recorder_(recorder),
         teller_(teller) {}
 
-  // Until the source has no more. Mapping runs on a thread of its own meanwhile, unless options.deterministic.
+  // Until the source has no more; the last frame then becomes a keyframe, where it was tracked. Mapping runs on a
+  // thread of its own meanwhile, unless options.deterministic.
   void Run(FrameSource& source);
 
   const StageClock& stages() const { return stages_; }

@@ -47,7 +47,8 @@ std::vector<TrajectoryPose> SessionTrajectory(const Atlas& atlas, SessionId sess
   std::vector<TrajectoryPose> trajectory;
   const Corrections corrections = CorrectionsOf(atlas, session);
   const auto counts = [&](const Keyframe& keyframe) { return !map || keyframe.map == *map; };
-  // Keyframes come first: of one that was made of a frame later, the frame is known, too, but less well.
+  // Keyframes come first: they are where they are, also where the frame that one was made of later is known, too, and
+  // does not share its correction (another map's, or no arrival).
   atlas.ForEachKeyframe(session, [&](const Keyframe& keyframe) {
     if (!counts(keyframe)) return;
     trajectory.push_back({keyframe.data->stamp_ns, keyframe.map, keyframe.camera_from_map.Inverse()});
