@@ -8,6 +8,7 @@
 
 #include "common/base/result.h"
 #include "common/mapping/bundle_window.h"
+#include "common/mapping/landmark_visits.h"
 #include "common/mapping/measurement_noise.h"
 #include "server/optimization/correction.h"
 
@@ -15,6 +16,7 @@ namespace pangaea {
 
 struct GlobalBundleOptions {
   MeasurementNoiseOptions noise = {};
+  VisitOptions visits = {};
   int iterations = 10;                   // steps with all observations
   int iterations_without_outliers = 10;  // then so many without the outliers these showed, with a narrower kernel
   double cost_tolerance = 1e-3;          // a phase ends when a step lowers the cost by less than this, relatively
