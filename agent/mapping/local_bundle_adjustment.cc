@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "common/base/check.h"
-#include "common/mapping/bundle_window.h"
+#include "common/mapping/landmark_visits.h"
 
 namespace pangaea {
 namespace {
@@ -52,6 +52,16 @@ BundleOptions SolverOptions(const LocalBundleAdjustmentOptions& options, std::si
   return solver;
 }
 
+// As if every landmark had but one visit.
+void PullTogether(int iterations, BundleOptions solver, BundleProblem& problem) {
+  solver.iterations = iterations;
+  solver.iterations_without_outliers = 0;
+  const auto result = SolveBundle(problem, solver);
+  PANGAEA_CHECK(result.has_value());
+  for (std::size_t i = 0; i < problem.poses.size(); ++i) problem.poses[i].camera_from_map = result->poses[i];
+  for (std::size_t i = 0; i < problem.points.size(); ++i) problem.points[i].point_in_map = result->points[i];
+}
+
 }  // namespace
 
 LocalAdjustment AdjustLocalMap(const Atlas& atlas, const AdjustmentWindow& window,
@@ -59,8 +69,10 @@ LocalAdjustment AdjustLocalMap(const Atlas& atlas, const AdjustmentWindow& windo
                                std::stop_token stop) {
   LocalAdjustment adjustment;
   if (window.free.empty() || window.landmarks.size() + window.held.size() == 0) return adjustment;
-  const WindowBundle bundle = BuildBundle(atlas, window, noise);
-  const auto result = SolveBundle(bundle.problem, SolverOptions(options, window.free.size(), std::move(stop)));
+  WindowBundle bundle = BuildBundle(atlas, window, noise);
+  const BundleOptions solver = SolverOptions(options, window.free.size(), std::move(stop));
+  if (options.iterations_together > 0) PullTogether(options.iterations_together, solver, bundle.problem);
+  const auto result = SolveByVisits(bundle, options.visits, solver);
   PANGAEA_CHECK(result.has_value());
   for (std::size_t i = 0; i < window.free.size(); ++i) {
     adjustment.camera_from_map.emplace_back(window.free[i], result->poses[i]);

@@ -1,6 +1,7 @@
 #include "agent/mapping/local_mapper.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <limits>
 #include <utility>
@@ -21,6 +22,15 @@
 #include "common/mapping/landmark_search.h"
 
 namespace pangaea {
+namespace {
+
+// Of two values on the same side of the present one the nearer; none where they are not, or one is missing.
+std::optional<double> SmallerChange(double present, std::optional<double> first, std::optional<double> second) {
+  if (!first || !second || std::signbit(*first - present) != std::signbit(*second - present)) return std::nullopt;
+  return std::abs(*first - present) < std::abs(*second - present) ? first : second;
+}
+
+}  // namespace
 
 LocalMapper::LocalMapper(SessionId session, LocalMappingOptions options)
     : session_(session), options_(options), trials_(options.landmark_culling) {}
@@ -187,8 +197,9 @@ void LocalMapper::AdjustWidely(KeyframeId newest, StageRecorder& stages, const s
 }
 
 bool LocalMapper::IsVergenceDue(KeyframeId newest) const {
-  const VergenceOptions& options = options_.vergence;
-  return newest.counter >= std::max(options.first_keyframes, 2 * vergence_checked_at_);
+  const std::uint32_t first = options_.vergence.first_keyframes;
+  if (suspected_vergence_) return newest.counter >= vergence_checked_at_ + first;
+  return newest.counter >= std::max(first, 2 * vergence_checked_at_);
 }
 
 bool LocalMapper::CorrectVergence(KeyframeId newest, StageRecorder& stages, const std::stop_token& stop) {
@@ -199,9 +210,13 @@ bool LocalMapper::CorrectVergence(KeyframeId newest, StageRecorder& stages, cons
     better = FindBetterVergence(atlas_, newest, options_.vergence, options_.noise, stop);
   }
   if (stop.stop_requested()) return false;
+  // Before a map is closed the last check may have been a moment ago.
+  const bool another_look = newest.counter >= vergence_checked_at_ + options_.vergence.first_keyframes / 2;
+  const auto agreed = another_look ? SmallerChange(vergence_, suspected_vergence_, better) : std::nullopt;
+  suspected_vergence_ = agreed ? std::nullopt : better;
   vergence_checked_at_ = newest.counter;
-  if (!better) return false;
-  vergence_ = *better;
+  if (!agreed) return false;
+  vergence_ = *agreed;
   Commit(SetVergence{session_, vergence_});
   AdjustWidely(newest, stages, stop);
   return true;

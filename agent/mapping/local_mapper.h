@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -30,10 +31,10 @@ class LocalMapper {
   // Everything that one keyframe causes. Stages: "mapping.insert", "mapping.cull_landmarks", "mapping.search",
   // "mapping.create", "mapping.fuse", "mapping.bundle_adjustment", "mapping.cull_keyframes"; where the camera came back
   // to an old place, now and then "mapping.wide_adjustment" after the bundle adjustment; with two cameras, when there
-  // are twice as many keyframes as last time, "mapping.vergence". When `stop` is requested (a newer keyframe waits),
-  // fusion, bundle adjustments and keyframe culling are left out or cut short; the map is consistent all the same.
-  // False, and nothing done, for a candidate that cannot enter the map: its map is closed, its id is in use, or its
-  // reference is unknown.
+  // are twice as many keyframes as last time or what was found then waits for an answer, "mapping.vergence". When
+  // `stop` is requested (a newer keyframe waits), fusion, bundle adjustments and keyframe culling are left out or cut
+  // short; the map is consistent all the same. False, and nothing done, for a candidate that cannot enter the map: its
+  // map is closed, its id is in use, or its reference is unknown.
   bool Insert(const KeyframeCandidate& candidate, StageRecorder& stages, std::stop_token stop = {});
   // The same for the beginning of a monocular map.
   bool Open(const MapOpening& opening, StageRecorder& stages);
@@ -72,8 +73,8 @@ class LocalMapper {
   void AdjustWidely(KeyframeId newest, StageRecorder& stages, const std::stop_token& stop);
   void CommitAdjustment(LocalAdjustment adjustment);
   bool IsVergenceDue(KeyframeId newest) const;
-  // Returns whether the rig turned out to have another vergence than its keyframes: now they have it, and the map is
-  // adjusted to it.
+  // A check. Returns whether the rig turned out to have another vergence than its keyframes: now they have it, and the
+  // map is adjusted to it.
   bool CorrectVergence(KeyframeId newest, StageRecorder& stages, const std::stop_token& stop);
   void CullKeyframes(KeyframeId newest, KeyframeId reference);
   // By which local mapping changes the atlas; Absorb takes over what its edits lead to.
@@ -91,6 +92,9 @@ class LocalMapper {
   std::uint32_t adjusted_widely_at_ = 0;   // counter of the newest keyframe at the latest wide adjustment
   double vergence_ = 0.0;                  // radians, from the calibration; of all keyframes of the session
   std::uint32_t vergence_checked_at_ = 0;  // counter of the newest keyframe then; 0: never
+  // What the last check found better: it is believed when the next one, at other keyframes, says the same
+  // (docs/decisions/0024-vergence.md).
+  std::optional<double> suspected_vergence_;
 };
 
 }  // namespace pangaea

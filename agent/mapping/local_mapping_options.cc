@@ -55,8 +55,9 @@ Status CheckAdjustment(std::string_view owner, const LocalBundleAdjustmentOption
       .In("bundle_adjustment.fixed_keyframes", adjustment.fixed_keyframes, 1, 10000)
       .In("bundle_adjustment.iterations", adjustment.iterations, 1, 1000)
       .In("bundle_adjustment.iterations_without_outliers", adjustment.iterations_without_outliers, 0, 1000)
+      .In("bundle_adjustment.iterations_together", adjustment.iterations_together, 0, 1000)
       .In("bundle_adjustment.cost_tolerance", adjustment.cost_tolerance, 0, 1);
-  return check.status();
+  return check.status().and_then([&] { return adjustment.visits.Check(); });
 }
 
 void CheckWideAdjustment(const WideAdjustmentOptions& wide, RangeCheck& check) {

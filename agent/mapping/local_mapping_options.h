@@ -6,6 +6,7 @@
 #include "common/base/result.h"
 #include "common/mapping/landmark_creation_options.h"
 #include "common/mapping/landmark_search.h"
+#include "common/mapping/landmark_visits.h"
 #include "common/mapping/measurement_noise.h"
 
 namespace pangaea {
@@ -49,6 +50,10 @@ struct LocalBundleAdjustmentOptions {
   int iterations = 5;                   // steps with all observations
   int iterations_without_outliers = 3;  // then so many without the outliers these showed, with a narrower kernel
   double cost_tolerance = 1e-6;         // either ends when a step lowers the cost by less than this share of it
+  VisitOptions visits = {};
+  // Whether visits may have drifted apart (common/mapping/landmark_visits.h): so many steps first pull together what
+  // sees the same landmarks.
+  int iterations_together = 0;
   BundleAdjustmentBackEnd back_end = BundleAdjustmentBackEnd::kFast;
 };
 
@@ -73,7 +78,9 @@ struct WideAdjustmentOptions {
                                                  .fixed_keyframes = 100,
                                                  .iterations = 5,
                                                  .iterations_without_outliers = 3,
-                                                 .cost_tolerance = 1e-2};
+                                                 .cost_tolerance = 1e-2,
+                                                 .visits = {},
+                                                 .iterations_together = 5};
 };
 
 // Whether the right camera looks where the calibration says (docs/decisions/0024-vergence.md).

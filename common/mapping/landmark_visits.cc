@@ -1,10 +1,8 @@
 #include "common/mapping/landmark_visits.h"
 
-#include <algorithm>
-#include <limits>
-#include <numeric>
+#include <optional>
 #include <span>
-#include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/check.h"
@@ -12,22 +10,7 @@
 namespace pangaea {
 namespace {
 
-// Per pose a number that counts the keyframes of its session; between sessions it jumps by more than `gap`.
-std::vector<int> CountKeyframes(const std::vector<KeyframeId>& keyframes, int gap) {
-  std::vector<std::size_t> ascending(keyframes.size());
-  std::iota(ascending.begin(), ascending.end(), std::size_t{0});
-  std::ranges::sort(ascending, {}, [&](std::size_t pose) { return keyframes[pose]; });
-  std::vector<int> counts(keyframes.size());
-  int count = 0;
-  for (std::size_t i = 0; i < ascending.size(); ++i) {
-    const bool same = i > 0 && keyframes[ascending[i]].session == keyframes[ascending[i - 1]].session;
-    count += same ? 1 : gap + 1;
-    counts[ascending[i]] = count;
-  }
-  return counts;
-}
-
-// Indices of a landmark's observations.
+// Of one session: the indices of observations of one landmark.
 struct Visit {
   std::size_t begin = 0;
   std::size_t end = 0;
@@ -37,16 +20,18 @@ struct Visit {
 // Splits one landmark after the other.
 class VisitSplitter {
  public:
-  VisitSplitter(const WindowBundle& bundle, const VisitOptions& options)
-      : bundle_(bundle), options_(options), counts_(CountKeyframes(bundle.keyframes, options.gap)) {
-    problem_.cameras = bundle.problem.cameras;
-    problem_.poses = bundle.problem.poses;
-    problem_.points = bundle.problem.points;
-    problem_.observations.reserve(bundle.problem.observations.size());
-    for (const BundlePose& pose : problem_.poses) centers_.push_back(pose.camera_from_map.Inverse().translation());
+  VisitSplitter(const WindowBundle& bundle, const VisitOptions& options) : bundle_(bundle), options_(options) {
+    split_.problem.cameras = bundle.problem.cameras;
+    split_.problem.poses = bundle.problem.poses;
+    split_.problem.points = bundle.problem.points;
+    split_.problem.observations.reserve(bundle.problem.observations.size());
+    split_.observations.resize(bundle.problem.observations.size());
+    split_.several_visits.resize(bundle.landmarks.size(), 0);
+    for (const BundlePose& pose : bundle.problem.poses)
+      centers_.push_back(pose.camera_from_map.Inverse().translation());
   }
 
-  BundleProblem Split() && {
+  VisitBundle Split() && {
     const auto& observations = bundle_.problem.observations;
     for (std::size_t begin = 0; begin < observations.size();) {
       std::size_t end = begin;
@@ -54,93 +39,177 @@ class VisitSplitter {
       SplitLandmark(begin, end);
       begin = end;
     }
-    return std::move(problem_);
+    return std::move(split_);
   }
 
  private:
   const BundleObservation& At(std::size_t observation) const { return bundle_.problem.observations[observation]; }
-
-  void SplitLandmark(std::size_t begin, std::size_t end) {
-    const std::vector<Visit> visits = FindVisits(begin, end);
-    for (std::size_t v = 0; v < visits.size(); ++v) {
-      for (std::size_t i = visits[v].begin; i < visits[v].end; ++i) Observe(i, visits[v].point, 1.0);
-    }
-    if (visits.size() > 1) TieTogether(visits);
+  const BundlePoint& PointOf(std::size_t observation) const {
+    return bundle_.problem.points[static_cast<std::size_t>(At(observation).point)];
+  }
+  KeyframeId Observer(std::size_t observation) const {
+    return bundle_.keyframes[static_cast<std::size_t>(At(observation).pose)];
   }
 
-  std::vector<Visit> FindVisits(std::size_t begin, std::size_t end) {
-    std::vector<Visit> visits;
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto count = [this](std::size_t at) { return counts_[static_cast<std::size_t>(At(at).pose)]; };
-      if (i > begin && count(i) - count(i - 1) <= options_.gap) {
-        ++visits.back().end;
-        continue;
+  void SplitLandmark(std::size_t begin, std::size_t end) {
+    std::vector<Visit> visits = FindVisits(begin, end);
+    for (std::size_t v = 0; v < visits.size(); ++v) {
+      if (v > 0) visits[v].point = AnotherPoint(begin);
+      for (std::size_t i = visits[v].begin; i < visits[v].end; ++i) {
+        split_.observations[i] = split_.problem.observations.size();
+        Observe(i, visits[v].point, 1.0);
       }
-      visits.push_back({i, i + 1, visits.empty() ? At(begin).point : AnotherPoint(At(begin).point)});
+    }
+    if (visits.size() == 1) return;
+    split_.several_visits[static_cast<std::size_t>(At(begin).point)] = 1;
+    TieTogether(visits);
+  }
+
+  // One where the landmark is fixed.
+  std::vector<Visit> FindVisits(std::size_t begin, std::size_t end) const {
+    std::vector<Visit> visits = {{begin, begin + 1, At(begin).point}};
+    for (std::size_t i = begin + 1; i < end; ++i) {
+      if (PointOf(begin).fixed || GoesOn(Observer(i - 1), Observer(i))) {
+        ++visits.back().end;
+      } else {
+        visits.push_back({i, i + 1, At(begin).point});
+      }
     }
     return visits;
   }
 
-  int AnotherPoint(int like) {
-    problem_.points.push_back(problem_.points[static_cast<std::size_t>(like)]);
-    return static_cast<int>(problem_.points.size()) - 1;
+  // Observers ascend.
+  bool GoesOn(KeyframeId before, KeyframeId after) const {
+    return after.session == before.session && after.counter - before.counter < options_.gap;
+  }
+
+  // A free one, in the same place.
+  int AnotherPoint(std::size_t observation) {
+    split_.problem.points.push_back({PointOf(observation).point_in_map});
+    return static_cast<int>(split_.problem.points.size()) - 1;
   }
 
   void Observe(std::size_t observation, int point, double sigma_ratio) {
     BundleObservation seen = At(observation);
     seen.point = point;
     seen.inverse_sigma /= sigma_ratio;
-    problem_.observations.push_back(seen);
+    split_.problem.observations.push_back(seen);
   }
 
+  void Tie(std::size_t observation, int point) { Observe(observation, point, options_.sigma_ratio); }
+
   void TieTogether(std::span<const Visit> visits) {
-    const std::size_t begin = visits.front().begin;
-    const Eigen::Vector3d& point = bundle_.problem.points[static_cast<std::size_t>(At(begin).point)].point_in_map;
-    std::vector<Eigen::Vector3d> rays;
-    for (std::size_t i = begin; i < visits.back().end; ++i) {
-      rays.push_back((point - centers_[static_cast<std::size_t>(At(i).pose)]).normalized());
-    }
+    const std::vector<Eigen::Vector3d> rays = RaysTo(visits.front().begin, visits.back().end);
     for (std::size_t v = 1; v < visits.size(); ++v) {
-      double nearest = -std::numeric_limits<double>::infinity();
-      std::size_t here = 0;
-      std::size_t there = 0;
-      const Visit* other = nullptr;
-      for (const Visit& earlier : visits.first(v)) {
-        for (std::size_t i = visits[v].begin; i < visits[v].end; ++i) {
-          for (std::size_t j = earlier.begin; j < earlier.end; ++j) {
-            const double cosine = rays[i - begin].dot(rays[j - begin]);
-            if (cosine <= nearest) continue;
-            nearest = cosine;
-            here = i;
-            there = j;
-            other = &earlier;
-          }
+      const auto tie = NearestViews(visits[v], visits.first(v), rays);
+      if (!tie) continue;  // numbers out of all bounds
+      Tie(tie->here, tie->other_point);
+      Tie(tie->there, visits[v].point);
+    }
+  }
+
+  // In which direction each of the observations sees their landmark, in the map.
+  std::vector<Eigen::Vector3d> RaysTo(std::size_t begin, std::size_t end) const {
+    std::vector<Eigen::Vector3d> rays;
+    for (std::size_t i = begin; i < end; ++i) {
+      rays.push_back((PointOf(i).point_in_map - centers_[static_cast<std::size_t>(At(i).pose)]).normalized());
+    }
+    return rays;
+  }
+
+  // The two observations that see the landmark from most nearly the same direction.
+  struct Nearest {
+    std::size_t here = 0;   // of the visit
+    std::size_t there = 0;  // of one of the earlier ones …
+    int other_point = 0;    // … whose point this is
+  };
+  static std::optional<Nearest> NearestViews(const Visit& visit, std::span<const Visit> earlier,
+                                             std::span<const Eigen::Vector3d> rays) {
+    const std::size_t begin = earlier.front().begin;
+    std::optional<Nearest> nearest;
+    double greatest_cosine = -2.0;
+    for (const Visit& other : earlier) {
+      for (std::size_t i = visit.begin; i < visit.end; ++i) {
+        for (std::size_t j = other.begin; j < other.end; ++j) {
+          const double cosine = rays[i - begin].dot(rays[j - begin]);
+          if (!(cosine > greatest_cosine)) continue;
+          greatest_cosine = cosine;
+          nearest = Nearest{i, j, other.point};
         }
       }
-      if (other == nullptr) continue;  // numbers out of all bounds
-      Observe(here, other->point, options_.sigma_ratio);
-      Observe(there, visits[v].point, options_.sigma_ratio);
     }
+    return nearest;
   }
 
   const WindowBundle& bundle_;
   const VisitOptions& options_;
-  const std::vector<int> counts_;
   std::vector<Eigen::Vector3d> centers_;  // of the cameras, in the map
-  BundleProblem problem_;
+  VisitBundle split_;
 };
+
+// The landmarks of several visits and all that was seen of them, with the poses held where they came to lie.
+struct Placing {
+  BundleProblem problem;
+  std::vector<std::size_t> observations;  // which of the bundle's
+};
+
+Placing PlacingOf(const WindowBundle& bundle, const VisitBundle& split, const BundleResult& moved) {
+  Placing placing;
+  placing.problem.cameras = bundle.problem.cameras;
+  placing.problem.poses = bundle.problem.poses;
+  placing.problem.points = bundle.problem.points;
+  for (std::size_t i = 0; i < placing.problem.poses.size(); ++i) {
+    placing.problem.poses[i].camera_from_map = moved.poses[i];
+    placing.problem.poses[i].fixed = true;
+  }
+  for (std::size_t i = 0; i < placing.problem.points.size(); ++i) {
+    placing.problem.points[i].point_in_map = moved.points[i];
+  }
+  for (std::size_t i = 0; i < bundle.problem.observations.size(); ++i) {
+    const BundleObservation& observation = bundle.problem.observations[i];
+    if (split.several_visits[static_cast<std::size_t>(observation.point)] == 0) continue;
+    placing.problem.observations.push_back(observation);
+    placing.observations.push_back(i);
+  }
+  return placing;
+}
 
 }  // namespace
 
 Status VisitOptions::Check() const {
-  if (gap < 0 || gap > 1000000) return Fail(ErrorCode::kInvalidArgument, "visits.gap must be 0 to 1000000");
+  if (gap < 1) return Fail(ErrorCode::kInvalidArgument, "visits.gap must be at least 1");
   if (sigma_ratio >= 1.0 && sigma_ratio <= 1000.0) return {};
   return Fail(ErrorCode::kInvalidArgument, "visits.sigma_ratio must be 1 to 1000");
 }
 
-BundleProblem SplitByVisits(const WindowBundle& bundle, const VisitOptions& options) {
+VisitBundle SplitByVisits(const WindowBundle& bundle, const VisitOptions& options) {
   PANGAEA_CHECK(options.Check().has_value());
   return VisitSplitter(bundle, options).Split();
+}
+
+Result<BundleResult> SolveByVisits(const WindowBundle& bundle, const VisitOptions& options,
+                                   const BundleOptions& solver) {
+  const VisitBundle split = SplitByVisits(bundle, options);
+  auto result = SolveBundle(split.problem, solver);
+  if (!result) return result;
+  const Placing placing = PlacingOf(bundle, split, *result);
+  result->points.resize(bundle.landmarks.size());
+  std::vector<std::uint8_t> outliers;
+  for (const std::size_t observation : split.observations) outliers.push_back(result->outliers[observation]);
+  result->outliers = std::move(outliers);
+  if (placing.observations.empty()) return result;
+
+  BundleOptions held = solver;
+  held.solver = BundleSolver::kSparse;  // nothing to factor
+  held.out_of_time = {};
+  auto placed = SolveBundle(placing.problem, held);
+  if (!placed) return placed;
+  result->points = std::move(placed->points);
+  for (std::size_t i = 0; i < placing.observations.size(); ++i) {
+    result->outliers[placing.observations[i]] = placed->outliers[i];
+  }
+  result->cancelled = result->cancelled || placed->cancelled;
+  return result;
 }
 
 }  // namespace pangaea

@@ -52,24 +52,6 @@ BundleOptions SolverOptions(const GlobalBundleOptions& options, std::size_t pair
   return solver;
 }
 
-// All poses held where they came to lie: what remains is to place each landmark where all its visits together see it,
-// and to find what contradicts that.
-BundleProblem AtAdjustedPoses(const BundleProblem& problem, const BundleResult& moved) {
-  BundleProblem held = problem;
-  for (std::size_t i = 0; i < held.poses.size(); ++i) {
-    held.poses[i].camera_from_map = moved.poses[i];
-    held.poses[i].fixed = true;
-  }
-  for (std::size_t i = 0; i < held.points.size(); ++i) held.points[i].point_in_map = moved.points[i];
-  return held;
-}
-
-BundleOptions PointOptions(BundleOptions solver) {
-  solver.solver = BundleSolver::kSparse;  // nothing to factor
-  solver.out_of_time = {};
-  return solver;
-}
-
 // By how much the depths that a keyframe sees have grown: the median of the ratios. 1 where it sees nothing.
 double DepthGrowth(std::vector<double> ratios) { return Median(std::move(ratios), 1.0); }
 
@@ -171,10 +153,8 @@ std::optional<GlobalBundle> AdjustMap(const Atlas& snapshot, MapId map, const Gl
   const std::size_t pairs = CovisiblePairs(snapshot, bundle.keyframes);
   BundleOptions solver = SolverOptions(options, pairs, std::move(stop));
   solver.out_of_time = out_of_time;
-  const auto moved = SolveBundle(SplitByVisits(bundle, options.visits), solver);
+  auto result = SolveByVisits(bundle, options.visits, solver);
   // A number out of all bounds in the map itself: nothing to adjust.
-  if (!moved || moved->cancelled) return std::nullopt;
-  auto result = SolveBundle(AtAdjustedPoses(bundle.problem, *moved), PointOptions(solver));
   if (!result || result->cancelled) return std::nullopt;
 
   std::vector<double> scales(bundle.keyframes.size(), 1.0);
@@ -185,7 +165,7 @@ std::optional<GlobalBundle> AdjustMap(const Atlas& snapshot, MapId map, const Gl
                         .observations = bundle.problem.observations.size(),
                         .outliers = static_cast<std::size_t>(std::ranges::count(result->outliers, 1)),
                         .final_cost = result->final_cost,
-                        .iterations = moved->iterations};
+                        .iterations = result->iterations};
   adjusted.correction.keyframes = Keyframes(snapshot, map, bundle, *result, scales, options.min_observations);
   for (std::size_t i = 0; i < bundle.landmarks.size(); ++i) {
     adjusted.correction.landmarks.push_back({bundle.landmarks[i], result->points[i]});

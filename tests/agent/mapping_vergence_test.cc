@@ -57,6 +57,32 @@ TEST(MapperVergence, ATurnedCameraIsFoundAndWhatItBentIsMended) {
   }
 }
 
+TEST(MapperVergence, IsBelievedWhenTheNextCheckSaysTheSame) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const SyntheticWorldOptions turned{.seed = seed, .vergence = kTurned};
+    Walk walk(turned);
+    WalkAlong(walk, 15);
+    EXPECT_EQ(walk.stages.begun["mapping.vergence"], 1);
+    EXPECT_EQ(walk.mapper.vergence(), 0.0) << "seed " << seed;
+    WalkAlong(walk, 6, 15);
+    EXPECT_EQ(walk.stages.begun["mapping.vergence"], 2);
+    EXPECT_NEAR(walk.mapper.vergence(), kTurned, 0.1 * kTurned) << "seed " << seed;
+  }
+}
+
+TEST(MapperVergence, IsNotBelievedWhenTheNextCheckContradictsIt) {
+  LocalMappingOptions options = ExactRig();
+  options.vergence.window_keyframes = 10;  // so that the two checks have no keyframe in common
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    Walk walk(SyntheticWorldOptions{.seed = seed, .vergence = kTurned}, options);
+    WalkAlong(walk, 10);
+    walk.world.TurnRightCamera(-kTurned);
+    WalkAlong(walk, 12, 10);
+    EXPECT_EQ(walk.stages.begun["mapping.vergence"], 2);
+    EXPECT_EQ(walk.mapper.vergence(), 0.0) << "seed " << seed;
+  }
+}
+
 TEST(MapperVergence, AnExactCalibrationStays) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     Walk walk(SyntheticWorldOptions{.seed = seed});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <vector>
 
 #include "common/mapping/landmark_visits.h"
 #include "tests/estimation/synthetic_world.h"
@@ -53,7 +54,7 @@ Seen SeenBy(const BundleProblem& problem, int point) {
 TEST(LandmarkVisits, OneVisitIsTheProblemItself) {
   WindowBundle bundle = Row(kFirst, 20);
   AddLandmark(bundle, {1.0, 0.0, 5.0}, {0, 1, 3, 7, 12});
-  const BundleProblem split = SplitByVisits(bundle, {.gap = 5});
+  const BundleProblem split = SplitByVisits(bundle, {.gap = 6}).problem;
   EXPECT_EQ(split.points.size(), 1U);
   EXPECT_EQ(split.observations.size(), 5U);
   EXPECT_EQ(split.poses.size(), 20U);
@@ -62,8 +63,8 @@ TEST(LandmarkVisits, OneVisitIsTheProblemItself) {
 TEST(LandmarkVisits, AVisitEndsWhereTheLandmarkIsMissedForLongerThanTheGap) {
   WindowBundle bundle = Row(kFirst, 20);
   AddLandmark(bundle, {1.0, 0.0, 5.0}, {0, 1, 7, 8});
-  EXPECT_EQ(SplitByVisits(bundle, {.gap = 6}).points.size(), 1U);
-  const BundleProblem split = SplitByVisits(bundle, {.gap = 5, .sigma_ratio = 4.0});
+  EXPECT_EQ(SplitByVisits(bundle, {.gap = 7}).problem.points.size(), 1U);
+  const BundleProblem split = SplitByVisits(bundle, {.gap = 6, .sigma_ratio = 4.0}).problem;
   ASSERT_EQ(split.points.size(), 2U);
   EXPECT_EQ(SeenBy(split, 0).by, (std::set{0, 1}));
   EXPECT_EQ(SeenBy(split, 1).by, (std::set{7, 8}));
@@ -85,7 +86,7 @@ TEST(LandmarkVisits, EachSessionVisitsByItselfAndIsTiedToTheNearestView) {
     bundle.problem.poses[i].camera_from_map = bundle.problem.poses[i - 17].camera_from_map;
   }
   AddLandmark(bundle, {1.0, 0.0, 5.0}, {0, 1, 2, 8, 24, 25, 26});
-  const BundleProblem split = SplitByVisits(bundle, {.gap = 10});
+  const BundleProblem split = SplitByVisits(bundle, {.gap = 10}).problem;
   ASSERT_EQ(split.points.size(), 3U) << "the first session's two visits, and the second session's";
   EXPECT_EQ(SeenBy(split, 2).by, (std::set{25, 26}));
   EXPECT_EQ(SeenBy(split, 2).tied, (std::set{8}));
@@ -97,12 +98,43 @@ TEST(LandmarkVisits, OrderOfPosesAndOtherLandmarksDoNotMatter) {
   std::reverse(bundle.problem.poses.begin(), bundle.problem.poses.end());
   AddLandmark(bundle, {1.0, 0.0, 5.0}, {19, 18, 0});
   AddLandmark(bundle, {0.5, 0.2, 4.0}, {10, 9});
-  const BundleProblem split = SplitByVisits(bundle, {.gap = 5});
+  const BundleProblem split = SplitByVisits(bundle, {.gap = 6}).problem;
   ASSERT_EQ(split.points.size(), 3U);
   EXPECT_EQ(SeenBy(split, 0).by, (std::set{18, 19}));
   EXPECT_EQ(SeenBy(split, 1).by, (std::set{9, 10}));
   EXPECT_EQ(SeenBy(split, 2).by, (std::set{0}));
   EXPECT_EQ(split.points[2].point_in_map, split.points[0].point_in_map);
+}
+
+TEST(LandmarkVisits, ALandmarkThatIsFixedIsLeftAsItIs) {
+  WindowBundle bundle = Row(kFirst, 20);
+  AddLandmark(bundle, {1.0, 0.0, 5.0}, {0, 1, 2, 9});
+  bundle.problem.points.front().fixed = true;
+  const VisitBundle split = SplitByVisits(bundle, {.gap = 6});
+  EXPECT_EQ(split.problem.points.size(), 1U);
+  EXPECT_EQ(split.problem.observations.size(), 4U);
+  EXPECT_EQ(split.several_visits, std::vector<std::uint8_t>{0});
+  const auto solved = SolveByVisits(bundle, {.gap = 6}, {});
+  ASSERT_TRUE(solved);
+  EXPECT_EQ(solved->points, std::vector{bundle.problem.points.front().point_in_map});
+}
+
+TEST(LandmarkVisits, ALandmarkComesToLieWhereAllItsVisitsTogetherSeeIt) {
+  WindowBundle bundle = Row(kFirst, 20);
+  for (BundlePose& pose : bundle.problem.poses) pose.fixed = true;
+  AddLandmark(bundle, {1.0, 0.0, 5.0}, {0, 1, 2, 3, 12, 13, 14, 15});
+  AddLandmark(bundle, {1.2, 0.0, 5.0}, {4, 5, 6});
+  // Half a pixel between the visits, along v; and one observation that contradicts both.
+  for (std::size_t i = 4; i < 8; ++i) bundle.problem.observations[i].measurement.y() += 0.5;
+  bundle.problem.observations[9].measurement.y() += 20.0;
+  const auto solved = SolveByVisits(bundle, {.gap = 6}, {});
+  ASSERT_TRUE(solved);
+  ASSERT_EQ(solved->points.size(), 2U);
+  const double row = bundle.problem.cameras[0].Project(solved->points[0]).y() - bundle.problem.cameras[0].center_y;
+  EXPECT_GT(row, 0.1);
+  EXPECT_LT(row, 0.4);
+  EXPECT_NEAR(solved->points[1].y(), 0.0, 0.01);
+  EXPECT_EQ(solved->outliers, (std::vector<std::uint8_t>{0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0}));
 }
 
 // A corridor that is flown through once by each of two sessions. Each finds the corners a little beside where the other
@@ -168,7 +200,7 @@ TEST(LandmarkVisits, CamerasLieBetterWhereCornersAreFoundAnewOnEachVisit) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const Corridor corridor(seed);
     together += corridor.Error(corridor.bundle.problem);
-    split += corridor.Error(SplitByVisits(corridor.bundle, {}));
+    split += corridor.Error(SplitByVisits(corridor.bundle, {}).problem);
   }
   EXPECT_LT(split, 0.8 * together);
   EXPECT_LT(split, 4 * 0.006) << "ties bring the sessions together";
@@ -176,7 +208,7 @@ TEST(LandmarkVisits, CamerasLieBetterWhereCornersAreFoundAnewOnEachVisit) {
 
 TEST(VisitOptions, OutOfRangeIsRefused) {
   EXPECT_TRUE(VisitOptions().Check());
-  EXPECT_FALSE(VisitOptions({.gap = -1}).Check());
+  EXPECT_FALSE(VisitOptions({.gap = 0}).Check());
   EXPECT_FALSE(VisitOptions({.sigma_ratio = 0.5}).Check());
   EXPECT_FALSE(VisitOptions({.sigma_ratio = std::numeric_limits<double>::quiet_NaN()}).Check());
 }
