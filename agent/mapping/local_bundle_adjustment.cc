@@ -52,14 +52,13 @@ BundleOptions SolverOptions(const LocalBundleAdjustmentOptions& options, std::si
   return solver;
 }
 
-// As if every landmark had but one visit.
+// Moves the start of a problem to where it comes together as if every landmark had but one visit.
 void PullTogether(int iterations, BundleOptions solver, BundleProblem& problem) {
   solver.iterations = iterations;
   solver.iterations_without_outliers = 0;
   const auto result = SolveBundle(problem, solver);
   PANGAEA_CHECK(result.has_value());
-  for (std::size_t i = 0; i < problem.poses.size(); ++i) problem.poses[i].camera_from_map = result->poses[i];
-  for (std::size_t i = 0; i < problem.points.size(); ++i) problem.points[i].point_in_map = result->points[i];
+  StartFrom(*result, problem);
 }
 
 }  // namespace
@@ -72,7 +71,8 @@ LocalAdjustment AdjustLocalMap(const Atlas& atlas, const AdjustmentWindow& windo
   WindowBundle bundle = BuildBundle(atlas, window, noise);
   const BundleOptions solver = SolverOptions(options, window.free.size(), std::move(stop));
   if (options.iterations_together > 0) PullTogether(options.iterations_together, solver, bundle.problem);
-  const auto result = SolveByVisits(bundle, options.visits, solver);
+  const auto result =
+      options.visits ? SolveByVisits(bundle, *options.visits, solver) : SolveBundle(bundle.problem, solver);
   PANGAEA_CHECK(result.has_value());
   for (std::size_t i = 0; i < window.free.size(); ++i) {
     adjustment.camera_from_map.emplace_back(window.free[i], result->poses[i]);

@@ -197,24 +197,26 @@ void LocalMapper::AdjustWidely(KeyframeId newest, StageRecorder& stages, const s
 }
 
 bool LocalMapper::IsVergenceDue(KeyframeId newest) const {
-  const std::uint32_t first = options_.vergence.first_keyframes;
-  if (suspected_vergence_) return newest.counter >= vergence_checked_at_ + first;
-  return newest.counter >= std::max(first, 2 * vergence_checked_at_);
+  const VergenceOptions& options = options_.vergence;
+  if (suspected_vergence_) return newest.counter >= vergence_checked_at_ + options.second_look_keyframes;
+  return newest.counter >= std::max(options.first_keyframes, 2 * vergence_checked_at_);
 }
 
 bool LocalMapper::CorrectVergence(KeyframeId newest, StageRecorder& stages, const std::stop_token& stop) {
   if (stop.stop_requested()) return false;
-  std::optional<double> better;
+  // A look a moment after the last one, as a map is closed, sees the same once more.
+  const bool another_look = newest.counter >= vergence_checked_at_ + options_.vergence.second_look_keyframes / 2;
+  if (suspected_vergence_ && !another_look) return false;
+  VergenceFinding finding;
   {
     const StageScope stage(stages, "mapping.vergence");
-    better = FindBetterVergence(atlas_, newest, options_.vergence, options_.noise, stop);
+    finding = FindBetterVergence(atlas_, newest, options_.vergence, options_.noise, stop);
   }
   if (stop.stop_requested()) return false;
-  // Before a map is closed the last check may have been a moment ago.
-  const bool another_look = newest.counter >= vergence_checked_at_ + options_.vergence.first_keyframes / 2;
-  const auto agreed = another_look ? SmallerChange(vergence_, suspected_vergence_, better) : std::nullopt;
-  suspected_vergence_ = agreed ? std::nullopt : better;
-  vergence_checked_at_ = newest.counter;
+  vergence_checked_at_ = std::max(vergence_checked_at_, newest.counter);
+  if (!finding.could_tell) return false;
+  const auto agreed = SmallerChange(vergence_, suspected_vergence_, finding.better);
+  suspected_vergence_ = agreed ? std::nullopt : finding.better;
   if (!agreed) return false;
   vergence_ = *agreed;
   Commit(SetVergence{session_, vergence_});

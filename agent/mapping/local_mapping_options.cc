@@ -57,7 +57,7 @@ Status CheckAdjustment(std::string_view owner, const LocalBundleAdjustmentOption
       .In("bundle_adjustment.iterations_without_outliers", adjustment.iterations_without_outliers, 0, 1000)
       .In("bundle_adjustment.iterations_together", adjustment.iterations_together, 0, 1000)
       .In("bundle_adjustment.cost_tolerance", adjustment.cost_tolerance, 0, 1);
-  return check.status().and_then([&] { return adjustment.visits.Check(); });
+  return check.status().and_then([&] { return adjustment.visits ? adjustment.visits->Check() : Status(); });
 }
 
 void CheckWideAdjustment(const WideAdjustmentOptions& wide, RangeCheck& check) {
@@ -70,6 +70,7 @@ void CheckWideAdjustment(const WideAdjustmentOptions& wide, RangeCheck& check) {
 
 void CheckVergence(const VergenceOptions& vergence, RangeCheck& check) {
   check.In("vergence.first_keyframes", vergence.first_keyframes, 3, 100000)
+      .In("vergence.second_look_keyframes", vergence.second_look_keyframes, 1, 100000)
       .In("vergence.window_keyframes", vergence.window_keyframes, 3, kDenseKeyframes)
       .In("vergence.min_shift", vergence.min_shift, 0, 100)
       .In("vergence.min_lone_shift", vergence.min_lone_shift, 0, 100)

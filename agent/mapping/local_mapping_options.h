@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "common/base/result.h"
 #include "common/mapping/landmark_creation_options.h"
@@ -50,9 +51,10 @@ struct LocalBundleAdjustmentOptions {
   int iterations = 5;                   // steps with all observations
   int iterations_without_outliers = 3;  // then so many without the outliers these showed, with a narrower kernel
   double cost_tolerance = 1e-6;         // either ends when a step lowers the cost by less than this share of it
-  VisitOptions visits = {};
-  // Whether visits may have drifted apart (common/mapping/landmark_visits.h): so many steps first pull together what
-  // sees the same landmarks.
+  // None: what sees the same landmark holds together as it is, as where a server adjusts the map as a whole.
+  std::optional<VisitOptions> visits = VisitOptions();
+  // Where visits may have drifted apart (common/mapping/landmark_visits.h): so many steps first pull together what sees
+  // the same landmarks. 0: none.
   int iterations_together = 0;
   BundleAdjustmentBackEnd back_end = BundleAdjustmentBackEnd::kFast;
 };
@@ -79,7 +81,7 @@ struct WideAdjustmentOptions {
                                                  .iterations = 5,
                                                  .iterations_without_outliers = 3,
                                                  .cost_tolerance = 1e-2,
-                                                 .visits = {},
+                                                 .visits = VisitOptions(),
                                                  .iterations_together = 5};
 };
 
@@ -87,6 +89,9 @@ struct WideAdjustmentOptions {
 struct VergenceOptions {
   // Looked at when the session has so many keyframes, and whenever it has twice as many as last time (count).
   std::uint32_t first_keyframes = 10;
+  // What was found better is believed when a look so many keyframes later (count), or half as many where the map is
+  // closed, finds a change to the same side.
+  std::uint32_t second_look_keyframes = 10;
   std::size_t window_keyframes = 20;  // around the newest (count)
   // A correction is made of shifts in the image's middle of at least so many pixels: exactly calibrated flights show up
   // to 0.05, from matching. 100: never.

@@ -62,7 +62,8 @@ BundleWindow WindowOf(const Atlas& atlas, std::vector<KeyframeId> keyframes) {
   return window;
 }
 
-// How far off the vergence is by what these keyframes saw, where that is more than chance and worth a correction.
+// How far off the vergence is by what these keyframes saw: 0 where it is not by more than chance and worth a
+// correction, none where they cannot tell.
 std::optional<double> ErrorSeenBy(const Atlas& atlas, std::vector<KeyframeId> keyframes, const VergenceOptions& options,
                                   const MeasurementNoiseOptions& noise, const std::stop_token& stop) {
   const double focal_x = atlas.FindKeyframe(keyframes.front())->data->camera.focal_x;
@@ -76,32 +77,37 @@ std::optional<double> ErrorSeenBy(const Atlas& atlas, std::vector<KeyframeId> ke
       EstimateVergence(BuildWindowBundle(atlas, WindowOf(atlas, std::move(keyframes)), all).problem, solver);
   if (!estimate) return std::nullopt;
   const double error = std::abs(estimate->vergence);
-  if (error * focal_x < options.min_shift || error < options.min_sigmas * estimate->sigma) return std::nullopt;
+  if (error * focal_x < options.min_shift || error < options.min_sigmas * estimate->sigma) return 0.0;
   return estimate->vergence;
 }
 
 }  // namespace
 
-std::optional<double> FindBetterVergence(const Atlas& atlas, KeyframeId newest, const VergenceOptions& options,
-                                         const MeasurementNoiseOptions& noise, const std::stop_token& stop) {
+VergenceFinding FindBetterVergence(const Atlas& atlas, KeyframeId newest, const VergenceOptions& options,
+                                   const MeasurementNoiseOptions& noise, const std::stop_token& stop) {
+  const VergenceFinding cannot_tell;
+  const VergenceFinding none_better{.could_tell = true, .better = std::nullopt};
   const KeyframeData& data = *atlas.FindKeyframe(newest)->data;
-  if (!data.camera.is_stereo()) return std::nullopt;
+  if (!data.camera.is_stereo()) return cannot_tell;
   const std::vector<KeyframeId> window = SessionAround(atlas, newest, options.window_keyframes, {});
-  if (window.size() < options.first_keyframes) return std::nullopt;
+  if (window.size() < options.first_keyframes) return cannot_tell;
   std::optional<double> error = ErrorSeenBy(atlas, window, options, noise, stop);
-  if (!error) return std::nullopt;
+  if (!error) return cannot_tell;
+  if (*error == 0.0) return none_better;
   const std::vector<KeyframeId> elsewhere = Elsewhere(atlas, newest, window);
   if (elsewhere.size() < options.first_keyframes) {
-    if (std::abs(*error) * data.camera.focal_x < options.min_lone_shift) return std::nullopt;
+    if (std::abs(*error) * data.camera.focal_x < options.min_lone_shift) return none_better;
   } else {
     const std::vector<KeyframeId> witness = WitnessAmong(atlas, elsewhere, options.window_keyframes, window);
-    if (witness.size() < options.first_keyframes) return std::nullopt;
+    if (witness.size() < options.first_keyframes) return cannot_tell;
     const auto other = ErrorSeenBy(atlas, witness, options, noise, stop);
-    if (!other || std::signbit(*other) != std::signbit(*error)) return std::nullopt;
+    if (!other) return cannot_tell;
+    if (*other == 0.0 || std::signbit(*other) != std::signbit(*error)) return none_better;
     if (std::abs(*other) < std::abs(*error)) error = other;
   }
   const double vergence = data.vergence + *error;
-  return std::abs(vergence) > kMaxVergence ? std::nullopt : std::optional(vergence);
+  if (std::abs(vergence) > kMaxVergence) return none_better;
+  return {.could_tell = true, .better = vergence};
 }
 
 }  // namespace pangaea

@@ -110,10 +110,11 @@ Result<RunInputs> OpenInputs(const AgentOptions& options, const std::stop_token&
 }
 
 // A server closes loops itself, knows places by their looks and says where everything is then: two that move a whole
-// map would only send each other the difference.
+// map would only send each other the difference, and an agent is to hold on to what the server's map says.
 LocalMappingOptions MappingOptionsFor(const AgentOptions& options) {
   LocalMappingOptions mapping = options.mapping;
   mapping.wide_adjustment.enabled &= !options.use_server;
+  if (options.use_server) mapping.bundle_adjustment.visits.reset();
   return mapping;
 }
 

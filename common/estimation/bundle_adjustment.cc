@@ -19,8 +19,6 @@ constexpr double kAnyError = std::numeric_limits<double>::infinity();
   return Fail(ErrorCode::kInvalidArgument, "bundle adjustment: " + what + " " + std::to_string(index) + " " + why);
 }
 
-bool IsSane(const Eigen::Vector3d& vector) { return (vector.array().abs() < kMaxMagnitude).all(); }
-
 bool IsIndex(int index, std::size_t size) { return index >= 0 && static_cast<std::size_t>(index) < size; }
 
 Status CheckPoses(const BundleProblem& problem) {
@@ -30,7 +28,7 @@ Status CheckPoses(const BundleProblem& problem) {
   }
   for (std::size_t i = 0; i < problem.poses.size(); ++i) {
     const BundlePose& pose = problem.poses[i];
-    if (!pose.camera_from_map.AllFinite() || !IsSane(pose.camera_from_map.translation())) {
+    if (!pose.camera_from_map.AllFinite() || !IsWithinBounds(pose.camera_from_map.translation())) {
       return Invalid("pose", i, "is not finite");
     }
     if (!IsIndex(pose.camera, problem.cameras.size())) return Invalid("pose", i, "refers to an unknown camera");
@@ -43,7 +41,7 @@ Status CheckObservations(const BundleProblem& problem) {
     const BundleObservation& observation = problem.observations[i];
     if (!IsIndex(observation.pose, problem.poses.size())) return Invalid("observation", i, "refers to no pose");
     if (!IsIndex(observation.point, problem.points.size())) return Invalid("observation", i, "refers to no point");
-    if (!IsSane(observation.measurement)) return Invalid("observation", i, "is not finite");
+    if (!IsWithinBounds(observation.measurement)) return Invalid("observation", i, "is not finite");
     if (!(observation.inverse_sigma > 0.0) || !(observation.inverse_sigma < kMaxMagnitude)) {
       return Invalid("observation", i, "has an inverse_sigma out of range");
     }
@@ -58,7 +56,7 @@ Status CheckObservations(const BundleProblem& problem) {
 Status CheckProblem(const BundleProblem& problem) {
   if (const Status status = CheckPoses(problem); !status) return status;
   for (std::size_t i = 0; i < problem.points.size(); ++i) {
-    if (!IsSane(problem.points[i].point_in_map)) return Invalid("point", i, "is not finite");
+    if (!IsWithinBounds(problem.points[i].point_in_map)) return Invalid("point", i, "is not finite");
   }
   const auto fixed = [](const auto& variable) { return variable.fixed; };
   if (std::none_of(problem.poses.begin(), problem.poses.end(), fixed) &&
@@ -120,6 +118,18 @@ Status BundleOptions::Check() const {
   if (threads < 1) return refuse("threads must be >= 1");
   if (!(max_seconds >= 0.0)) return refuse("max_seconds must be >= 0");
   return {};
+}
+
+bool IsWithinBounds(const Eigen::Vector3d& position) { return (position.array().abs() < kMaxMagnitude).all(); }
+
+void StartFrom(const BundleResult& solution, BundleProblem& problem) {
+  for (std::size_t i = 0; i < problem.poses.size(); ++i) {
+    const Rigid3d& pose = solution.poses[i];
+    if (pose.AllFinite() && IsWithinBounds(pose.translation())) problem.poses[i].camera_from_map = pose;
+  }
+  for (std::size_t i = 0; i < problem.points.size(); ++i) {
+    if (IsWithinBounds(solution.points[i])) problem.points[i].point_in_map = solution.points[i];
+  }
 }
 
 Result<BundleResult> SolveBundle(const BundleProblem& problem, const BundleOptions& options) {

@@ -90,6 +90,13 @@ struct BundleResult {
   bool cancelled = false;  // by options.stop
 };
 
+// Whether a point or position can be part of a problem: finite, and not beyond all bounds (1e8).
+bool IsWithinBounds(const Eigen::Vector3d& position);
+
+// Puts poses and points where a solution has them, one of this problem or of one that only has more points; what is
+// beyond all bounds there stays where it was.
+void StartFrom(const BundleResult& solution, BundleProblem& problem);
+
 // Adjusts every pose and point that is not fixed. Fails with kInvalidArgument for a non-finite number, an index out
 // of range, a bad option or a missing gauge.
 Result<BundleResult> SolveBundle(const BundleProblem& problem, const BundleOptions& options);

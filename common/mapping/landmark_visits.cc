@@ -1,11 +1,13 @@
 #include "common/mapping/landmark_visits.h"
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "common/base/check.h"
+#include "common/base/range_check.h"
 
 namespace pangaea {
 namespace {
@@ -26,7 +28,7 @@ class VisitSplitter {
     split_.problem.points = bundle.problem.points;
     split_.problem.observations.reserve(bundle.problem.observations.size());
     split_.observations.resize(bundle.problem.observations.size());
-    split_.several_visits.resize(bundle.landmarks.size(), 0);
+    split_.longest_visit.resize(bundle.landmarks.size(), -1);
     for (const BundlePose& pose : bundle.problem.poses)
       centers_.push_back(pose.camera_from_map.Inverse().translation());
   }
@@ -61,7 +63,8 @@ class VisitSplitter {
       }
     }
     if (visits.size() == 1) return;
-    split_.several_visits[static_cast<std::size_t>(At(begin).point)] = 1;
+    const auto length = [](const Visit& visit) { return visit.end - visit.begin; };
+    split_.longest_visit[static_cast<std::size_t>(At(begin).point)] = std::ranges::max(visits, {}, length).point;
     TieTogether(visits);
   }
 
@@ -155,19 +158,18 @@ struct Placing {
 
 Placing PlacingOf(const WindowBundle& bundle, const VisitBundle& split, const BundleResult& moved) {
   Placing placing;
-  placing.problem.cameras = bundle.problem.cameras;
-  placing.problem.poses = bundle.problem.poses;
-  placing.problem.points = bundle.problem.points;
-  for (std::size_t i = 0; i < placing.problem.poses.size(); ++i) {
-    placing.problem.poses[i].camera_from_map = moved.poses[i];
-    placing.problem.poses[i].fixed = true;
-  }
+  placing.problem = {bundle.problem.cameras, bundle.problem.poses, bundle.problem.points, {}};
+  StartFrom(moved, placing.problem);
+  for (BundlePose& pose : placing.problem.poses) pose.fixed = true;
+  // From the visit that knows most of the depth: another one may be a single view.
   for (std::size_t i = 0; i < placing.problem.points.size(); ++i) {
-    placing.problem.points[i].point_in_map = moved.points[i];
+    if (split.longest_visit[i] < 0) continue;
+    const Eigen::Vector3d& point = moved.points[static_cast<std::size_t>(split.longest_visit[i])];
+    if (IsWithinBounds(point)) placing.problem.points[i].point_in_map = point;
   }
   for (std::size_t i = 0; i < bundle.problem.observations.size(); ++i) {
     const BundleObservation& observation = bundle.problem.observations[i];
-    if (split.several_visits[static_cast<std::size_t>(observation.point)] == 0) continue;
+    if (split.longest_visit[static_cast<std::size_t>(observation.point)] < 0) continue;
     placing.problem.observations.push_back(observation);
     placing.observations.push_back(i);
   }
@@ -177,9 +179,9 @@ Placing PlacingOf(const WindowBundle& bundle, const VisitBundle& split, const Bu
 }  // namespace
 
 Status VisitOptions::Check() const {
-  if (gap < 1) return Fail(ErrorCode::kInvalidArgument, "visits.gap must be at least 1");
-  if (sigma_ratio >= 1.0 && sigma_ratio <= 1000.0) return {};
-  return Fail(ErrorCode::kInvalidArgument, "visits.sigma_ratio must be 1 to 1000");
+  RangeCheck check("landmark visits");
+  check.In("gap", gap, 1, 1000000).In("sigma_ratio", sigma_ratio, 1, 1000);
+  return check.status();
 }
 
 VisitBundle SplitByVisits(const WindowBundle& bundle, const VisitOptions& options) {
@@ -200,15 +202,17 @@ Result<BundleResult> SolveByVisits(const WindowBundle& bundle, const VisitOption
   if (placing.observations.empty()) return result;
 
   BundleOptions held = solver;
-  held.solver = BundleSolver::kSparse;  // nothing to factor
+  held.solver = BundleSolver::kLocal;  // no pose is free: there is nothing to factor
   held.out_of_time = {};
+  held.stop = {};
   auto placed = SolveBundle(placing.problem, held);
   if (!placed) return placed;
-  result->points = std::move(placed->points);
+  for (std::size_t i = 0; i < bundle.landmarks.size(); ++i) {
+    if (split.longest_visit[i] >= 0) result->points[i] = placed->points[i];
+  }
   for (std::size_t i = 0; i < placing.observations.size(); ++i) {
     result->outliers[placing.observations[i]] = placed->outliers[i];
   }
-  result->cancelled = result->cancelled || placed->cancelled;
   return result;
 }
 

@@ -101,7 +101,7 @@ std::optional<double> FoundAfter(SyntheticWorldOptions world, int keyframes, dou
   walk.world.TurnRightCamera(then);
   WalkAlong(walk, more, keyframes);
   const KeyframeId newest{kSession, static_cast<std::uint32_t>(keyframes + more)};
-  return FindBetterVergence(walk.mapper.atlas(), newest, options, ExactRig().noise, {});
+  return FindBetterVergence(walk.mapper.atlas(), newest, options, ExactRig().noise, {}).better;
 }
 
 TEST(MapperVergence, WhatTheNewestKeyframesAloneSayIsNotBelieved) {

@@ -293,5 +293,22 @@ TEST(BundleAdjustment, TheSameProblemGivesTheSameBits) {
   for (std::size_t i = 0; i < a->points.size(); ++i) EXPECT_EQ(a->points[i], b->points[i]);
 }
 
+TEST(StartFrom, TakesASolutionOverWhereItIsWithinBounds) {
+  BundleWorld world = MakeBundleWorld(1, {});
+  BundleResult solution;
+  for (const BundlePose& pose : world.truth.poses) solution.poses.push_back(pose.camera_from_map);
+  for (const BundlePoint& point : world.truth.points) solution.points.push_back(point.point_in_map);
+  solution.points.emplace_back(0.0, 0.0, 1.0);  // of a problem with more points
+  solution.points[3].x() = std::numeric_limits<double>::infinity();
+  solution.points[4].y() = 1e9;
+  const BundleProblem before = world.problem;
+  StartFrom(solution, world.problem);
+  EXPECT_EQ(world.problem.poses[0].camera_from_map.translation(), world.truth.poses[0].camera_from_map.translation());
+  EXPECT_EQ(world.problem.points[0].point_in_map, world.truth.points[0].point_in_map);
+  EXPECT_EQ(world.problem.points[3].point_in_map, before.points[3].point_in_map);
+  EXPECT_EQ(world.problem.points[4].point_in_map, before.points[4].point_in_map);
+  EXPECT_TRUE(SolveBundle(world.problem, {}));
+}
+
 }  // namespace
 }  // namespace pangaea::testing

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <set>
 #include <vector>
 
@@ -60,7 +62,7 @@ TEST(LandmarkVisits, OneVisitIsTheProblemItself) {
   EXPECT_EQ(split.poses.size(), 20U);
 }
 
-TEST(LandmarkVisits, AVisitEndsWhereTheLandmarkIsMissedForLongerThanTheGap) {
+TEST(LandmarkVisits, AVisitEndsWhereTheLandmarkIsNotSeenForAsLongAsTheGap) {
   WindowBundle bundle = Row(kFirst, 20);
   AddLandmark(bundle, {1.0, 0.0, 5.0}, {0, 1, 7, 8});
   EXPECT_EQ(SplitByVisits(bundle, {.gap = 7}).problem.points.size(), 1U);
@@ -113,7 +115,7 @@ TEST(LandmarkVisits, ALandmarkThatIsFixedIsLeftAsItIs) {
   const VisitBundle split = SplitByVisits(bundle, {.gap = 6});
   EXPECT_EQ(split.problem.points.size(), 1U);
   EXPECT_EQ(split.problem.observations.size(), 4U);
-  EXPECT_EQ(split.several_visits, std::vector<std::uint8_t>{0});
+  EXPECT_EQ(split.longest_visit, std::vector{-1});
   const auto solved = SolveByVisits(bundle, {.gap = 6}, {});
   ASSERT_TRUE(solved);
   EXPECT_EQ(solved->points, std::vector{bundle.problem.points.front().point_in_map});
@@ -135,6 +137,23 @@ TEST(LandmarkVisits, ALandmarkComesToLieWhereAllItsVisitsTogetherSeeIt) {
   EXPECT_LT(row, 0.4);
   EXPECT_NEAR(solved->points[1].y(), 0.0, 0.01);
   EXPECT_EQ(solved->outliers, (std::vector<std::uint8_t>{0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0}));
+}
+
+TEST(LandmarkVisits, OneViewOnTheFirstVisitSaysNothingOfTheDepthAndSpoilsNoOtherLandmark) {
+  WindowBundle bundle = Row(kFirst, 40);
+  bundle.problem.cameras = {MonocularCamera()};
+  for (BundlePose& pose : bundle.problem.poses) pose.fixed = true;
+  // The camera comes back to where it was: the two nearest views have no parallax.
+  bundle.problem.poses[20].camera_from_map = bundle.problem.poses[0].camera_from_map;
+  const std::vector<Eigen::Vector3d> points = {{1.0, 0.0, 5.0}, {1.5, 0.3, 4.0}};
+  AddLandmark(bundle, points[0], {0, 20, 24, 28, 32});
+  AddLandmark(bundle, points[1], {0, 4, 8, 24, 28, 32});
+  for (BundlePoint& point : bundle.problem.points) point.point_in_map *= 1.3;
+  const auto solved = SolveByVisits(bundle, {}, {});
+  ASSERT_TRUE(solved);
+  EXPECT_LT((solved->points[0] - points[0]).norm(), 0.01);
+  EXPECT_LT((solved->points[1] - points[1]).norm(), 0.01);
+  EXPECT_EQ(solved->outliers, std::vector<std::uint8_t>(11, 0));
 }
 
 // A corridor that is flown through once by each of two sessions. Each finds the corners a little beside where the other
