@@ -70,7 +70,7 @@ LocalAdjustment AdjustLocalMap(const Atlas& atlas, const AdjustmentWindow& windo
   if (window.free.empty() || window.landmarks.size() + window.held.size() == 0) return adjustment;
   WindowBundle bundle = BuildBundle(atlas, window, noise);
   const BundleOptions solver = SolverOptions(options, window.free.size(), std::move(stop));
-  if (options.iterations_together > 0) PullTogether(options.iterations_together, solver, bundle.problem);
+  if (options.visits && options.iterations_together > 0) PullTogether(options.iterations_together, solver, bundle.problem);
   const auto result =
       options.visits ? SolveByVisits(bundle, *options.visits, solver) : SolveBundle(bundle.problem, solver);
   PANGAEA_CHECK(result.has_value());
