@@ -52,6 +52,9 @@ BundleOptions SolverOptions(const LocalBundleAdjustmentOptions& options, std::si
   return solver;
 }
 
+// One camera alone has its scale from holding on to what it sees again (docs/decisions/0033-visits.md).
+bool HasScale(const BundleProblem& problem) { return std::ranges::any_of(problem.cameras, &IdealCamera::is_stereo); }
+
 // Moves the start of a problem to where it comes together as if every landmark had but one visit.
 void PullTogether(int iterations, BundleOptions solver, BundleProblem& problem) {
   solver.iterations = iterations;
@@ -70,9 +73,9 @@ LocalAdjustment AdjustLocalMap(const Atlas& atlas, const AdjustmentWindow& windo
   if (window.free.empty() || window.landmarks.size() + window.held.size() == 0) return adjustment;
   WindowBundle bundle = BuildBundle(atlas, window, noise);
   const BundleOptions solver = SolverOptions(options, window.free.size(), std::move(stop));
-  if (options.visits && options.iterations_together > 0) PullTogether(options.iterations_together, solver, bundle.problem);
-  const auto result =
-      options.visits ? SolveByVisits(bundle, *options.visits, solver) : SolveBundle(bundle.problem, solver);
+  const bool by_visits = options.visits && HasScale(bundle.problem);
+  if (by_visits && options.iterations_together > 0) PullTogether(options.iterations_together, solver, bundle.problem);
+  const auto result = by_visits ? SolveByVisits(bundle, *options.visits, solver) : SolveBundle(bundle.problem, solver);
   PANGAEA_CHECK(result.has_value());
   for (std::size_t i = 0; i < window.free.size(); ++i) {
     adjustment.camera_from_map.emplace_back(window.free[i], result->poses[i]);

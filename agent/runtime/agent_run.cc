@@ -110,15 +110,11 @@ Result<RunInputs> OpenInputs(const AgentOptions& options, const std::stop_token&
 }
 
 // A server closes loops itself, knows places by their looks and says where everything is then: two that move a whole
-// map would only send each other the difference, and an agent is to hold on to what the server's map says. One camera
-// alone has its scale from holding on to what it sees again (docs/decisions/0033-visits.md).
+// map would only send each other the difference, and an agent is to hold on to what the server's map says.
 LocalMappingOptions MappingOptionsFor(const AgentOptions& options) {
   LocalMappingOptions mapping = options.mapping;
   mapping.wide_adjustment.enabled &= !options.use_server;
-  if (options.use_server || options.sensor == SensorKind::kMonocular) {
-    mapping.bundle_adjustment.visits.reset();
-    mapping.wide_adjustment.bundle_adjustment.visits.reset();
-  }
+  if (options.use_server) mapping.bundle_adjustment.visits.reset();
   return mapping;
 }
 
