@@ -6,6 +6,7 @@
 
 #include "agent/tracking/resolved_pose.h"
 #include "common/base/check.h"
+#include "common/geometry/reprojection.h"
 #include "common/map/covisibility.h"
 #include "common/map/id_set.h"
 
@@ -45,6 +46,31 @@ void AttachViews(const TemplateStore& templates, ViewPoses& poses, LocalLandmark
   }
 }
 
+const Observation* NewestObservation(const Landmark& landmark, SessionId session) {
+  const Observation* newest = nullptr;
+  for (const Observation& observation : landmark.observations) {
+    if (observation.keyframe.session != session) continue;
+    if (newest == nullptr || newest->keyframe.counter < observation.keyframe.counter) newest = &observation;
+  }
+  return newest;
+}
+
+std::optional<Sighting> LatestSighting(const Atlas& atlas, const Landmark& landmark, SessionId session,
+                                       ViewPoses& poses) {
+  const Observation* observation = NewestObservation(landmark, session);
+  if (observation == nullptr) return std::nullopt;
+  const Keyframe& keyframe = *atlas.FindKeyframe(observation->keyframe);
+  const Eigen::Vector3d point = keyframe.camera_from_map * landmark.point_in_map;
+  if (point.z() <= 0.0) return std::nullopt;
+  const Keypoint& keypoint = keyframe.data->features.keypoints[observation->keypoint];
+  const Eigen::Vector2d beside = Eigen::Vector2d(keypoint.u, keypoint.v) - keyframe.data->camera.Project(point);
+  const double sigma = OctaveSigma(keypoint.octave);
+  if (beside.squaredNorm() > kMonocularChi2 * sigma * sigma) return std::nullopt;
+  const auto pose = poses.IndexOf(keyframe.id);
+  if (!pose) return std::nullopt;
+  return Sighting{*pose, beside};
+}
+
 }  // namespace
 
 LocalMap CollectLocalMap(const Atlas& atlas, KeyframeId reference, const TemplateStore& templates,
@@ -71,6 +97,9 @@ LocalMap CollectLocalMap(const Atlas& atlas, KeyframeId reference, const Templat
       entry.point_in_map = landmark->point_in_map;
       entry.observers = centers.SpreadOf(*landmark);
       AttachViews(templates, poses, entry);
+      if (entry.view_count > 0) {
+        entry.latest_sighting = LatestSighting(atlas, *landmark, entry.views[0].patch->keyframe.session, poses);
+      }
       const auto before = known.find(landmark_id);
       if (before == known.end()) continue;
       entry.failures = before->second->failures;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "agent/tracking/template_store.h"
@@ -21,10 +22,20 @@ struct LandmarkView {
   std::size_t pose = 0;  // index into LocalMap::view_poses
 };
 
+// Where a landmark was seen last: what is followed from frame to frame is that corner, which the point, placed by all
+// that ever took it for the same one, lies beside (docs/decisions/0034-sightings.md).
+struct Sighting {
+  std::size_t pose = 0;                              // index into LocalMap::view_poses
+  Eigen::Vector2d beside = Eigen::Vector2d::Zero();  // seen - projected, pixels of that keyframe
+};
+
 struct LocalLandmark {
   LandmarkId id;
   Eigen::Vector3d point_in_map = Eigen::Vector3d::Zero();
   ObserverSpread observers;
+  // By the newest keyframe of the session that the templates are of; nothing where that saw it so far beside that it
+  // may have seen something else.
+  std::optional<Sighting> latest_sighting;
   int failures = 0;      // consecutive frames in which it was searched and not found
   bool tracked = false;  // in the latest frame
   int view_count = 0;
@@ -35,7 +46,8 @@ struct LocalLandmark {
 // was built from: it is rebuilt when that or the atlas changes.
 struct LocalMap {
   std::vector<KeyframeId> keyframes;  // the reference first, then by covisibility
-  std::vector<Rigid3d> view_poses;    // camera_from_map of the keyframes that templates were cut from, culled ones too
+  // camera_from_map of the keyframes that templates were cut from, culled ones too, and of those of the sightings.
+  std::vector<Rigid3d> view_poses;
   std::vector<LocalLandmark> landmarks;
 };
 

@@ -93,13 +93,14 @@ class Searcher {
   // Looks for one landmark where the pose expects it; remembers it when found.
   void Search(const Expected& expected, bool coarse) {
     LocalLandmark& landmark = local_map_.landmarks[expected.landmark];
-    const std::optional<LandmarkMatch> match = Find(expected.landmark, landmark, coarse);
+    const Eigen::Vector2d beside = ExpectedBeside(landmark);
+    const std::optional<LandmarkMatch> match = Find(expected.landmark, landmark, beside, coarse);
     landmark.failures = match ? 0 : landmark.failures + 1;
     if (!match) return;
     matches_.push_back(*match);
     PoseObservation& observation = observations_.emplace_back();
     observation.point_in_map = landmark.point_in_map;
-    observation.measurement = Eigen::Vector3d(match->pixel.x(), match->pixel.y(), -1.0);
+    observation.measurement = Eigen::Vector3d(match->pixel.x() - beside.x(), match->pixel.y() - beside.y(), -1.0);
     observation.inverse_sigma = 1.0 / match->sigma;
   }
 
@@ -118,16 +119,31 @@ class Searcher {
   }
 
  private:
-  std::optional<LandmarkMatch> Find(int index, const LocalLandmark& landmark, bool coarse) const {
+  // The affine map from pixels of that view to the present ones, around the landmark.
+  std::optional<Eigen::Matrix2d> CurrentFromView(std::size_t pose, const LocalLandmark& landmark) const {
+    const Rigid3d& view_from_map = local_map_.view_poses[pose];
+    return CurrentFromTemplate(camera_, camera_from_map_ * view_from_map.Inverse(),
+                               view_from_map * landmark.point_in_map);
+  }
+
+  // Where the corner is expected beside the landmark's point: where it was seen last. Pixels.
+  Eigen::Vector2d ExpectedBeside(const LocalLandmark& landmark) const {
+    if (!landmark.latest_sighting) return Eigen::Vector2d::Zero();
+    const auto affine = CurrentFromView(landmark.latest_sighting->pose, landmark);
+    if (!affine) return Eigen::Vector2d::Zero();
+    return *affine * landmark.latest_sighting->beside;
+  }
+
+  std::optional<LandmarkMatch> Find(int index, const LocalLandmark& landmark, const Eigen::Vector2d& beside,
+                                    bool coarse) const {
     const LandmarkView* view = NearestView(landmark, local_map_.view_poses, camera_in_map_, options_.min_view_cosine);
     if (view == nullptr) return std::nullopt;
     const Eigen::Vector3d point = camera_from_map_ * landmark.point_in_map;
     if (point.z() <= 0.0) return std::nullopt;
-    const Rigid3d& template_from_map = local_map_.view_poses[view->pose];
-    const auto affine = CurrentFromTemplate(camera_, camera_from_map_ * template_from_map.Inverse(),
-                                            template_from_map * landmark.point_in_map);
+    const auto affine = CurrentFromView(view->pose, landmark);
     if (!affine) return std::nullopt;
-    const auto aligned = AlignPatch(image_, *view->patch, *affine, camera_.Project(point), coarse, options_.alignment);
+    const Eigen::Vector2d predicted = camera_.Project(point) + beside;
+    const auto aligned = AlignPatch(image_, *view->patch, *affine, predicted, coarse, options_.alignment);
     if (!aligned) return std::nullopt;
     LandmarkMatch match;
     match.landmark = index;
