@@ -89,7 +89,7 @@ struct WideAdjustmentOptions {
 struct VergenceOptions {
   // Looked at when the session has so many keyframes, and whenever it has twice as many as last time (count).
   std::uint32_t first_keyframes = 10;
-  // What was found better is believed when a look so many keyframes later (count), or half as many where the map is
+  // What was found better is believed when a look so many keyframes later (count), or at any later one where the map is
   // closed, finds a change to the same side.
   std::uint32_t second_look_keyframes = 10;
   std::size_t window_keyframes = 20;  // around the newest (count)

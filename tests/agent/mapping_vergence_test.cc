@@ -70,6 +70,21 @@ TEST(MapperVergence, IsBelievedWhenTheNextCheckSaysTheSame) {
   }
 }
 
+TEST(MapperVergence, AsTheMapIsClosedAnyLaterKeyframeIsLookedAtOnceMore) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    Walk walk(SyntheticWorldOptions{.seed = seed, .vergence = kTurned});
+    WalkAlong(walk, 10);
+    const MapId map = walk.mapper.atlas().Maps().front();
+    walk.mapper.AdjustBeforeClosing(map, walk.stages);
+    EXPECT_EQ(walk.stages.begun["mapping.vergence"], 1) << "nothing was seen since";
+    EXPECT_EQ(walk.mapper.vergence(), 0.0) << "seed " << seed;
+    WalkAlong(walk, 1, 10);
+    walk.mapper.AdjustBeforeClosing(map, walk.stages);
+    EXPECT_EQ(walk.stages.begun["mapping.vergence"], 2);
+    EXPECT_NEAR(walk.mapper.vergence(), kTurned, 0.15 * kTurned) << "seed " << seed;
+  }
+}
+
 TEST(MapperVergence, IsNotBelievedWhenTheNextCheckContradictsIt) {
   LocalMappingOptions options = ExactRig();
   options.vergence.window_keyframes = 10;  // so that the two checks have no keyframe in common
