@@ -202,6 +202,10 @@ bool LocalMapper::IsVergenceDue(KeyframeId newest) const {
   return newest.counter >= std::max(options.first_keyframes, 2 * vergence_checked_at_);
 }
 
+bool LocalMapper::IsSure(std::optional<double> better, double focal_x) const {
+  return better && std::abs(*better - vergence_) * focal_x >= options_.vergence.min_sure_shift;
+}
+
 bool LocalMapper::CorrectVergence(KeyframeId newest, StageRecorder& stages, const std::stop_token& stop) {
   if (stop.stop_requested()) return false;
   // As a map is closed, nothing may have been seen since the last look.
@@ -214,10 +218,12 @@ bool LocalMapper::CorrectVergence(KeyframeId newest, StageRecorder& stages, cons
   if (stop.stop_requested()) return false;
   vergence_checked_at_ = std::max(vergence_checked_at_, newest.counter);
   if (!finding.could_tell) return false;
-  const auto agreed = SmallerChange(vergence_, suspected_vergence_, finding.better);
-  suspected_vergence_ = agreed ? std::nullopt : finding.better;
-  if (!agreed) return false;
-  vergence_ = *agreed;
+  const double focal_x = atlas_.FindKeyframe(newest)->data->camera.focal_x;
+  const auto believed =
+      IsSure(finding.better, focal_x) ? finding.better : SmallerChange(vergence_, suspected_vergence_, finding.better);
+  suspected_vergence_ = believed ? std::nullopt : finding.better;
+  if (!believed) return false;
+  vergence_ = *believed;
   Commit(SetVergence{session_, vergence_});
   AdjustWidely(newest, stages, stop);
   return true;

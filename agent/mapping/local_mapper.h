@@ -73,6 +73,8 @@ class LocalMapper {
   void AdjustWidely(KeyframeId newest, StageRecorder& stages, const std::stop_token& stop);
   void CommitAdjustment(LocalAdjustment adjustment);
   bool IsVergenceDue(KeyframeId newest) const;
+  // Whether the vergence that was found is so far from the present one that one look is enough.
+  bool IsSure(std::optional<double> better, double focal_x) const;
   // A check. Returns whether the rig turned out to have another vergence than its keyframes: now they have it, and the
   // map is adjusted to it.
   bool CorrectVergence(KeyframeId newest, StageRecorder& stages, const std::stop_token& stop);

@@ -74,6 +74,7 @@ void CheckVergence(const VergenceOptions& vergence, RangeCheck& check) {
       .In("vergence.window_keyframes", vergence.window_keyframes, 3, kDenseKeyframes)
       .In("vergence.min_shift", vergence.min_shift, 0, 100)
       .In("vergence.min_lone_shift", vergence.min_lone_shift, 0, 100)
+      .In("vergence.min_sure_shift", vergence.min_sure_shift, 0, 100)
       .In("vergence.min_sigmas", vergence.min_sigmas, 0, 100)
       .In("vergence.iterations", vergence.iterations, 1, 1000)
       .In("vergence.cost_tolerance", vergence.cost_tolerance, 0, 1);

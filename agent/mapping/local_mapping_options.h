@@ -100,6 +100,8 @@ struct VergenceOptions {
   // … where keyframes elsewhere say the same: a window may mislead (docs/decisions/0024-vergence.md). While there are
   // less than first_keyframes elsewhere, of so many pixels.
   double min_lone_shift = 0.3;
+  // What is found at least so many pixels off is believed at once: no exact rig has shown half of it.
+  double min_sure_shift = 0.8;
   int iterations = 15;  // of each adjustment; most end earlier
   double cost_tolerance = 1e-5;
 };
