@@ -208,8 +208,9 @@ bool LocalMapper::IsSure(std::optional<double> better, double focal_x) const {
 
 bool LocalMapper::CorrectVergence(KeyframeId newest, StageRecorder& stages, const std::stop_token& stop) {
   if (stop.stop_requested()) return false;
-  // As a map is closed, nothing may have been seen since the last look.
-  if (suspected_vergence_ && newest.counter <= vergence_checked_at_) return false;
+  // A look a moment after the last one, as a map is closed, sees the same once more.
+  const bool another_look = newest.counter >= vergence_checked_at_ + options_.vergence.second_look_keyframes / 2;
+  if (suspected_vergence_ && !another_look) return false;
   VergenceFinding finding;
   {
     const StageScope stage(stages, "mapping.vergence");

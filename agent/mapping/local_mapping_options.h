@@ -89,7 +89,7 @@ struct WideAdjustmentOptions {
 struct VergenceOptions {
   // Looked at when the session has so many keyframes, and whenever it has twice as many as last time (count).
   std::uint32_t first_keyframes = 10;
-  // What was found better is believed when a look so many keyframes later (count), or at any later one where the map is
+  // What was found better is believed when a look so many keyframes later (count), or half as many where the map is
   // closed, finds a change to the same side.
   std::uint32_t second_look_keyframes = 10;
   std::size_t window_keyframes = 20;  // around the newest (count)
@@ -100,7 +100,7 @@ struct VergenceOptions {
   // … where keyframes elsewhere say the same: a window may mislead (docs/decisions/0024-vergence.md). While there are
   // less than first_keyframes elsewhere, of so many pixels.
   double min_lone_shift = 0.3;
-  // What is found at least so many pixels off is believed at once: no exact rig has shown half of it.
+  // What is found at least so many pixels off is believed at once: exact rigs have shown 0.42 at most, once.
   double min_sure_shift = 0.8;
   int iterations = 15;  // of each adjustment; most end earlier
   double cost_tolerance = 1e-5;

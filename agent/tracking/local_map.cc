@@ -13,7 +13,7 @@
 namespace pangaea {
 namespace {
 
-// Collects the poses of the templates' keyframes, each once.
+// Collects the poses of the keyframes that templates and sightings are of, each once.
 class ViewPoses {
  public:
   ViewPoses(const Atlas& atlas, std::vector<Rigid3d>& poses) : atlas_(atlas), poses_(poses) {}
@@ -46,13 +46,11 @@ void AttachViews(const TemplateStore& templates, ViewPoses& poses, LocalLandmark
   }
 }
 
+// Observations ascend by session and counter.
 const Observation* NewestObservation(const Landmark& landmark, SessionId session) {
-  const Observation* newest = nullptr;
-  for (const Observation& observation : landmark.observations) {
-    if (observation.keyframe.session != session) continue;
-    if (newest == nullptr || newest->keyframe.counter < observation.keyframe.counter) newest = &observation;
-  }
-  return newest;
+  const auto of_session = [session](const Observation& observation) { return observation.keyframe.session == session; };
+  const auto newest = std::find_if(landmark.observations.rbegin(), landmark.observations.rend(), of_session);
+  return newest == landmark.observations.rend() ? nullptr : &*newest;
 }
 
 std::optional<Sighting> LatestSighting(const Atlas& atlas, const Landmark& landmark, SessionId session,
@@ -64,7 +62,7 @@ std::optional<Sighting> LatestSighting(const Atlas& atlas, const Landmark& landm
   if (point.z() <= 0.0) return std::nullopt;
   const Keypoint& keypoint = keyframe.data->features.keypoints[observation->keypoint];
   const Eigen::Vector2d beside = Eigen::Vector2d(keypoint.u, keypoint.v) - keyframe.data->camera.Project(point);
-  const double sigma = OctaveSigma(keypoint.octave);
+  const double sigma = OctaveSigma(keypoint.octave);  // wider than mapping's: what that has kept is meant to pass
   if (beside.squaredNorm() > kMonocularChi2 * sigma * sigma) return std::nullopt;
   const auto pose = poses.IndexOf(keyframe.id);
   if (!pose) return std::nullopt;

@@ -22,8 +22,8 @@ struct LandmarkView {
   std::size_t pose = 0;  // index into LocalMap::view_poses
 };
 
-// Where a landmark was seen last: what is followed from frame to frame is that corner, which the point, placed by all
-// that ever took it for the same one, lies beside (docs/decisions/0034-sightings.md).
+// Where a landmark was seen last: frames follow the corner that its keyframes saw, and the point, placed by all that
+// ever took it for the same one, lies beside that (docs/decisions/0034-sightings.md).
 struct Sighting {
   std::size_t pose = 0;                              // index into LocalMap::view_poses
   Eigen::Vector2d beside = Eigen::Vector2d::Zero();  // seen - projected, pixels of that keyframe

@@ -135,12 +135,16 @@ std::optional<Eigen::Matrix2d> CurrentFromTemplate(const IdealCamera& camera, co
   return affine;
 }
 
+bool CanBeAligned(const Eigen::Matrix2d& current_from_template) {
+  const double area_ratio = current_from_template.determinant();
+  return area_ratio > 0.1 && area_ratio < 10.0;
+}
+
 std::optional<AlignedPatch> AlignPatch(const ImagePyramid& image, const PatchTemplate& patch,
                                        const Eigen::Matrix2d& current_from_template, const Eigen::Vector2d& predicted,
                                        bool coarse, const PatchAlignmentOptions& options) {
+  if (!CanBeAligned(current_from_template)) return std::nullopt;
   const double area_ratio = current_from_template.determinant();
-  // Seen from the other side, or from so far away or so near that the crop holds no usable detail.
-  if (!(area_ratio > 0.1 && area_ratio < 10.0)) return std::nullopt;
   const int top = static_cast<int>(image.levels.size()) - 1;
   const int fine_level = std::clamp(patch.level + static_cast<int>(std::lround(0.5 * std::log2(area_ratio))), 0, top);
   const Eigen::Matrix2d template_from_current = current_from_template.inverse();

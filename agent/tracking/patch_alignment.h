@@ -33,6 +33,10 @@ struct AlignedPatch {
 std::optional<Eigen::Matrix2d> CurrentFromTemplate(const IdealCamera& camera, const Rigid3d& current_from_template,
                                                    const Eigen::Vector3d& point_in_template);
 
+// False where the landmark is seen from the other side, or from so much further away or nearer that a template's crop
+// holds no usable detail.
+bool CanBeAligned(const Eigen::Matrix2d& current_from_template);
+
 // Finds the template in the image near `predicted` by inverse-compositional Gauss-Newton on the shift of the affinely
 // warped patch (Baker and Matthews 2004), gain and offset of the brightness removed. `coarse`: begin one level coarser,
 // which doubles the basin. Nothing when it does not converge, leaves the image, or does not correlate.

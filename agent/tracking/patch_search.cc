@@ -63,16 +63,20 @@ std::vector<Expected> SpreadEvenly(const std::vector<Expected>& visible, const I
   return spread;
 }
 
+// Of the angle at the landmark between a view of it and the present one.
+double ViewCosine(const LocalLandmark& landmark, const Rigid3d& view_from_map, const Eigen::Vector3d& camera_in_map) {
+  const Eigen::Vector3d direction = (landmark.point_in_map - camera_in_map).normalized();
+  const Eigen::Vector3d in_view = view_from_map * landmark.point_in_map;
+  return direction.dot((view_from_map.rotation().conjugate() * in_view).normalized());
+}
+
 // The view whose direction is nearest to the present one, if any is near enough.
 const LandmarkView* NearestView(const LocalLandmark& landmark, const std::vector<Rigid3d>& view_poses,
                                 const Eigen::Vector3d& camera_in_map, double min_cosine) {
   const LandmarkView* nearest = nullptr;
   double best = min_cosine;
-  const Eigen::Vector3d direction = (landmark.point_in_map - camera_in_map).normalized();
   for (int i = 0; i < landmark.view_count; ++i) {
-    const Rigid3d& view = view_poses[landmark.views[i].pose];
-    const Eigen::Vector3d in_view = view * landmark.point_in_map;
-    const double cosine = direction.dot((view.rotation().conjugate() * in_view).normalized());
+    const double cosine = ViewCosine(landmark, view_poses[landmark.views[i].pose], camera_in_map);
     if (cosine <= best) continue;
     best = cosine;
     nearest = &landmark.views[i];
@@ -126,12 +130,16 @@ class Searcher {
                                view_from_map * landmark.point_in_map);
   }
 
-  // Where the corner is expected beside the landmark's point: where it was seen last. Pixels.
+  // Where the corner is expected beside the landmark's point: where it was seen last, if that view is near enough to
+  // the present one for a patch to be found again. Pixels.
   Eigen::Vector2d ExpectedBeside(const LocalLandmark& landmark) const {
-    if (!landmark.latest_sighting) return Eigen::Vector2d::Zero();
-    const auto affine = CurrentFromView(landmark.latest_sighting->pose, landmark);
-    if (!affine) return Eigen::Vector2d::Zero();
-    return *affine * landmark.latest_sighting->beside;
+    const std::optional<Sighting>& sighting = landmark.latest_sighting;
+    if (!sighting) return Eigen::Vector2d::Zero();
+    const double cosine = ViewCosine(landmark, local_map_.view_poses[sighting->pose], camera_in_map_);
+    if (cosine <= options_.min_view_cosine) return Eigen::Vector2d::Zero();
+    const auto affine = CurrentFromView(sighting->pose, landmark);
+    if (!affine || !CanBeAligned(*affine)) return Eigen::Vector2d::Zero();
+    return *affine * sighting->beside;
   }
 
   std::optional<LandmarkMatch> Find(int index, const LocalLandmark& landmark, const Eigen::Vector2d& beside,

@@ -28,7 +28,7 @@ struct PatchSearchOptions {
 // A landmark found in the frame.
 struct LandmarkMatch {
   int landmark = 0;       // index into LocalMap::landmarks
-  Eigen::Vector2d pixel;  // full resolution
+  Eigen::Vector2d pixel;  // full resolution; the pose rests on it less what LocalLandmark::latest_sighting expects
   int octave = 0;         // the template's octave as it appears in this frame
   double sigma = 1.0;     // pixels
   double correlation = 0.0;

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <opencv2/imgproc.hpp>
-#include <random>
 
 #include "tests/agent/tracking/textured_plane.h"
 
@@ -45,9 +44,12 @@ class PatchSearchTest : public testing::Test {
     }
   }
 
+  // From a prediction that is off by a hand's breadth at most.
   std::optional<LocatedFrame> Locate() {
     const ImagePyramid image = PyramidOf(wall_.Render(camera_, truth_));
-    return LocateFrame(image, camera_, Rigid3d(), local_map_, {});
+    Vector6d error;
+    error << 0.01, -0.01, 0.01, 0.004, -0.004, 0.004;
+    return LocateFrame(image, camera_, Rigid3d::Exp(error) * truth_, local_map_, {});
   }
 
   static double Distance(const Rigid3d& a, const Rigid3d& b) {
@@ -56,7 +58,7 @@ class PatchSearchTest : public testing::Test {
 
   const IdealCamera camera_ = SmallCamera();
   const TexturedPlane wall_{kDepth, 7};
-  const Rigid3d truth_{Eigen::Quaterniond(Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitZ())), {0.03, -0.02, 0.05}};
+  const Rigid3d truth_{Eigen::Quaterniond(Eigen::AngleAxisd(0.8, Eigen::Vector3d::UnitZ())), {0.03, -0.02, 0.05}};
   TemplateStore templates_{1000};
   LocalMap local_map_;
 };
@@ -87,6 +89,17 @@ TEST_F(PatchSearchTest, CornersThatLieBesideTheirPointsAreTakenForWhereTheyWereS
     worst = std::max(worst, (camera_.Project(truth_ * corner) - match.pixel).norm());
   }
   EXPECT_LT(worst, 1.0);
+}
+
+TEST_F(PatchSearchTest, WhatWasSeenFromTooFarToTheSideSaysNothing) {
+  MapCorners(Eigen::Vector2d::Zero());
+  // A camera to the left that looks along the wall: it sees every corner more than 60 degrees from the side.
+  const Rigid3d aside(Eigen::Quaterniond(Eigen::AngleAxisd(-1.4, Eigen::Vector3d::UnitY())), Eigen::Vector3d::Zero());
+  local_map_.view_poses.push_back(aside * Rigid3d({1, 0, 0, 0}, {9.0, 0.0, 0.0}));
+  for (LocalLandmark& landmark : local_map_.landmarks) landmark.latest_sighting = Sighting{1, {2.0, 2.0}};
+  const auto located = Locate();
+  ASSERT_TRUE(located);
+  EXPECT_LT(Distance(located->pose.camera_from_map, truth_), 0.0015);
 }
 
 }  // namespace
