@@ -45,11 +45,13 @@ void MappingWorker::Process(MappingInput input) {
     ReturnFreeMemory();
     frames_since_return_ = 0;
   }
-  if (waiting_frames_.size() >= kFramesPerBatch) AddWaitingFrames();
+  const bool added = waiting_frames_.size() >= kFramesPerBatch;
+  if (added) AddWaitingFrames();
   const bool moved = !input.frames.empty() && NoteReference(input.frames.back().reference);
   const bool forgotten = absorbs_ && ForgetFarKeyframes();
   if (absorbed || forgotten || mapped) return Publish();
-  if (moved && uplink_ != nullptr) (void)uplink_->Submit(TakeBatch());
+  // Also where the camera stands and makes no keyframes: those that it made settle with time.
+  if ((moved || added) && uplink_ != nullptr) (void)uplink_->Submit(TakeBatch());
 }
 
 bool MappingWorker::MapKeyframes(const MappingInput& input) {

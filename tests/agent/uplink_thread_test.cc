@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 
+#include "agent/runtime/mapping_worker.h"
 #include "agent/runtime/spill_file.h"
 #include "common/base/bounded_queue.h"
 #include "common/dds/reader.h"
@@ -126,6 +127,33 @@ struct Agent {
   RandomHistory history;
   std::unique_ptr<UplinkThread> uplink;
 };
+
+TEST(UplinkThread, WhereTheCameraStandsItsKeyframesReachTheServerWithTime) {
+  TestNode server_node(2);
+  Durable durable;
+  ModelServer server(server_node.participant, durable);
+  TestNode node(1);
+  const SessionAnnouncement session = Session();
+  const auto uplink = UplinkThread::Start(node.participant, session, Options()).value();
+  MappingWorker worker(session.session, KeyframeBuilder(session.ideal_camera, {}, {}), {}, uplink.get());
+  const KeyframeId only{session.session, 1};
+  auto data = std::make_shared<KeyframeData>();
+  data->camera = session.ideal_camera;
+  data->features.keypoints.resize(1);
+  data->features.descriptors.resize(1);
+  MappingInput first;
+  first.root = std::make_shared<const KeyframeCandidate>(
+      KeyframeCandidate{only, {session.session, 1}, data, {}, Rigid3d(), std::vector<LandmarkId>(1)});
+  worker.Process(std::move(first));
+  for (std::int64_t i = 1; i <= 140; ++i) {  // seven seconds: five until it is settled, and a batch of frames
+    MappingInput input;
+    input.frames.push_back({only, {.stamp_ns = i * 50'000'000, .reference_from_frame = Rigid3d()}});
+    worker.Process(std::move(input));
+  }
+  EXPECT_TRUE(server.taken.PopUntil(std::chrono::steady_clock::now() + 10s)) << "nothing came";
+  server.Stop();
+  EXPECT_TRUE(durable.atlas.Knows(only));
+}
 
 TEST(UplinkThread, AfterAFlushBothDigestsAreEqual) {
   TestNode server_node(2);
