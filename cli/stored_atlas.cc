@@ -60,6 +60,11 @@ std::size_t CommonPoses(const StoredAtlas& stored, SessionId session, const Trut
   return common;
 }
 
+// One that was killed before anything of it came has none.
+bool HasPoses(const StoredAtlas& stored, SessionId session) {
+  return std::ranges::any_of(stored.parts, [session](const SessionPart& part) { return part.session == session; });
+}
+
 Result<std::optional<std::size_t>> FindTruth(const StoredAtlas& stored, const SessionRecord& record,
                                              std::span<const Truth> truths) {
   const SessionId session = record.announcement.session;
@@ -67,7 +72,7 @@ Result<std::optional<std::size_t>> FindTruth(const StoredAtlas& stored, const Se
   for (std::size_t i = 0; i < truths.size(); ++i) {
     const std::size_t common = CommonPoses(stored, session, truths[i]);
     if (truths[i].name == NameOf(record)) {
-      if (common > 0 || truths[i].poses.empty()) return i;
+      if (common > 0 || truths[i].poses.empty() || !HasPoses(stored, session)) return i;
       return Fail(ErrorCode::kInvalidArgument, "session '" + NameOf(record) +
                                                    "': at none of its times is there truth in " + truths[i].source +
                                                    "; is it another recording of that name?");

@@ -163,6 +163,14 @@ TEST_F(Evaluate, ARecordingOfTheSameNameFromAnotherTimeIsRefused) {
   EXPECT_THAT(run.err, HasSubstr("another recording"));
 }
 
+TEST_F(Evaluate, ASessionOfWhichNothingCameIsNoReasonToRefuse) {
+  testing::WriteStore(store(), {{.id = 1, .name = "a1"}, {.id = 2, .name = "flight", .joined_only = true}});
+  const auto run = RunPangaea(
+      {"evaluate", "--store", store(), "--truth", "a1=" + dataset(), "--truth", "flight=" + dataset(), "--json"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(Parse(run).at("sessions").size(), 1u);
+}
+
 TEST_F(Evaluate, ATruthOfNoSessionIsRefused) {
   testing::WriteStore(store(), {{.id = 1, .name = "a1"}});
   const auto run = RunPangaea({"evaluate", "--store", store(), "--truth", Path("street")});

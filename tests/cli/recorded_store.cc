@@ -45,7 +45,7 @@ SessionRecord RecordOf(const RecordedSession& session) {
   record.announcement.site = "hall";
   record.announcement.ideal_camera = {kRecordedWidth, kRecordedHeight, 60.0, 60.0, 31.0, 24.0, 0.11};
   record.joined_unix_ns = static_cast<std::int64_t>(session.id);
-  record.acknowledged = 1;
+  record.acknowledged = session.joined_only ? 0 : 1;
   return record;
 }
 
@@ -56,8 +56,9 @@ void WriteStore(const std::filesystem::path& path, const std::vector<RecordedSes
   ASSERT_TRUE(store) << store.error().message;
   JournalBatch batch;
   for (const RecordedSession& session : sessions) {
-    batch.entries.push_back({batch.entries.size() + 1, MakeEnvelope(session.id, 1, 0, EditsOf(session))});
     batch.sessions.push_back(RecordOf(session));
+    if (session.joined_only) continue;
+    batch.entries.push_back({batch.entries.size() + 1, MakeEnvelope(session.id, 1, 0, EditsOf(session))});
   }
   const Status appended = store->Append(batch);
   ASSERT_TRUE(appended) << appended.error().message;

@@ -17,6 +17,7 @@ struct RecordedSession {
   // Builds on the map of this session, in its frame; 0: a map of its own, with its first camera as origin.
   SessionId in_map_of = 0;
   std::int64_t delay_ns = 0;  // added to all stamps: a recording of another time
+  bool joined_only = false;   // killed before anything of it came
 };
 
 // A store of site "hall" as a server leaves it.
