@@ -131,6 +131,9 @@ Status AttachTruths(std::span<const Truth> truths, StoredAtlas& stored) {
       stored.remarks.push_back("session '" + NameOf(record) + "': none of the truths given is its own");
       continue;
     }
+    if (!HasPoses(stored, record.announcement.session)) {
+      stored.remarks.push_back("session '" + NameOf(record) + "': nothing of it is in the store");
+    }
     const Truth& truth = truths[**found];
     Attach(truth, **found, record.announcement.session, stored);
     if (truth.poses.empty() && used.insert(**found).second) {

@@ -94,8 +94,8 @@ class LocalMapper {
   std::uint32_t adjusted_widely_at_ = 0;   // counter of the newest keyframe at the latest wide adjustment
   double vergence_ = 0.0;                  // radians, from the calibration; of all keyframes of the session
   std::uint32_t vergence_checked_at_ = 0;  // counter of the newest keyframe then; 0: never
-  // What the last check found better and was not sure of: it is believed when the next one finds a change to the same side
-  // (docs/decisions/0024-vergence.md). Kept across maps: the rig is one.
+  // What the last check found better and was not sure of: it is believed when the next one finds a change to the same
+  // side (docs/decisions/0024-vergence.md). Kept across maps: the rig is one.
   std::optional<double> suspected_vergence_;
 };
 

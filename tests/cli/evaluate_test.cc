@@ -169,6 +169,7 @@ TEST_F(Evaluate, ASessionOfWhichNothingCameIsNoReasonToRefuse) {
       {"evaluate", "--store", store(), "--truth", "a1=" + dataset(), "--truth", "flight=" + dataset(), "--json"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(Parse(run).at("sessions").size(), 1u);
+  EXPECT_THAT(run.err, HasSubstr("session 'flight': nothing of it is in the store"));
 }
 
 TEST_F(Evaluate, ATruthOfNoSessionIsRefused) {

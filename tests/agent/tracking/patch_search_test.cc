@@ -44,7 +44,7 @@ class PatchSearchTest : public testing::Test {
     }
   }
 
-  // From a prediction that is off by a hand's breadth at most.
+  // From a prediction that is off by a centimetre along each axis, and by a quarter of a degree.
   std::optional<LocatedFrame> Locate() {
     const ImagePyramid image = PyramidOf(wall_.Render(camera_, truth_));
     Vector6d error;
